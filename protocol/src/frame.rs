@@ -111,12 +111,12 @@ pub fn count(counter: &mut u16) {
 ///
 /// # Errors
 /// [`EncodeError::TooLong`] if the body or the frame does not fit.
-pub fn encode<'a>(
+pub fn encode(
     kind: Kind,
     sequence: u16,
-    out: &'a mut [u8; MAX_FRAME],
+    out: &mut [u8; MAX_FRAME],
     write_body: impl FnOnce(&mut [u8]) -> Option<usize>,
-) -> Result<&'a [u8], EncodeError> {
+) -> Result<&[u8], EncodeError> {
     let mut plain = [0; MAX_PLAIN];
     let room = plain.get_mut(HEAD..HEAD + MAX_BODY).ok_or(EncodeError::TooLong)?;
     let body = write_body(room).filter(|n| *n <= MAX_BODY).ok_or(EncodeError::TooLong)?;

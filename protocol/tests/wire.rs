@@ -1,4 +1,5 @@
 //! The wire as bytes: golden frames, and a decoder that nothing throws off.
+#![allow(clippy::unwrap_used, reason = "a test may stop at what it did not expect")]
 
 use cauldron_protocol::{
     Down, Drops, Kind, State, States, Up, Verdict, WorldFromDevice,

@@ -1,0 +1,92 @@
+//! Counts to joint angles, and whether the counts can be believed.
+
+use cauldron_protocol::{Fault, message::Arm};
+
+const TURN_RAD: f32 = core::f32::consts::TAU;
+
+/// Fastest joint that is still believed. A hand's fastest flick is about 5 m/s; on links of
+/// 0.16 m that is 31 rad/s.
+const FASTEST_RAD_PER_S: f32 = 60.0;
+
+/// Farthest a joint may stand from home: [`crate::math::sin_cos`] is right to 50 rad.
+const FARTHEST_RAD: f32 = 12.0;
+
+/// Three incremental encoders.
+#[derive(Clone, Debug)]
+pub struct Encoder {
+    home_rad: [f32; 3],
+    rad_per_count: [f32; 3],
+    largest_jump_counts: [u32; 3],
+    last: Option<[i32; 3]>,
+}
+
+impl Encoder {
+    /// For the encoders of `arm`.
+    #[must_use]
+    pub fn new(arm: &Arm) -> Self {
+        let rad_per_count = arm.counts_per_turn.map(|counts| TURN_RAD / counts as f32);
+        Self {
+            home_rad: arm.home.map(|h| h.0),
+            rad_per_count,
+            largest_jump_counts: rad_per_count
+                .map(|rad| (FASTEST_RAD_PER_S * crate::TICK_S / rad) as u32 + 2),
+            last: None,
+        }
+    }
+
+    /// Joint angles in radians.
+    ///
+    /// # Errors
+    /// [`Fault::EncoderJump`] if a joint moved further than it can in one tick (the new counts
+    /// are taken as the truth from then on), [`Fault::OutsideWorkspace`] if it is turns away
+    /// from home.
+    pub fn read(&mut self, counts: [i32; 3]) -> Result<[f32; 3], Fault> {
+        let last = self.last.replace(counts).unwrap_or(counts);
+        let jumped = counts
+            .into_iter()
+            .zip(last)
+            .zip(self.largest_jump_counts)
+            .any(|((now, before), most)| now.wrapping_sub(before).unsigned_abs() > most);
+        if jumped {
+            return Err(Fault::EncoderJump);
+        }
+        let mut angles_rad = [0.0; 3];
+        for (angle, ((count, scale), home)) in
+            angles_rad.iter_mut().zip(counts.into_iter().zip(self.rad_per_count).zip(self.home_rad))
+        {
+            *angle = home + count as f32 * scale;
+        }
+        if angles_rad.iter().any(|a| crate::math::abs(*a) > FARTHEST_RAD) {
+            return Err(Fault::OutsideWorkspace);
+        }
+        Ok(angles_rad)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinematics::tests::ARM;
+
+    #[test]
+    fn a_turn_is_a_turn() {
+        let mut encoder = Encoder::new(&ARM);
+        let per_turn = ARM.counts_per_turn[0];
+        let home = encoder.read([0, 0, 0]).unwrap();
+        let mut quarter = home;
+        for i in 0..=per_turn / 4 / 20 {
+            quarter = encoder.read([i * 20, 0, 0]).unwrap();
+        }
+        assert!((quarter[0] - home[0] - core::f32::consts::FRAC_PI_2).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_jump_is_a_fault_and_the_next_reading_is_believed() {
+        let mut encoder = Encoder::new(&ARM);
+        encoder.read([0, 0, 0]).unwrap();
+        assert_eq!(encoder.read([0, 4000, 0]), Err(Fault::EncoderJump));
+        assert!(encoder.read([0, 4001, 0]).is_ok());
+        assert_eq!(encoder.read([0, i32::MIN, 0]), Err(Fault::EncoderJump));
+        assert_eq!(encoder.read([0, i32::MIN, 0]), Err(Fault::OutsideWorkspace));
+    }
+}

@@ -1,0 +1,73 @@
+//! What the medium got: the impulse of the force that acted, summed in integers so that neither
+//! a lost frame nor hours of rounding break the books.
+
+use cauldron_protocol::units::PiconewtonSeconds;
+
+use crate::{TICK_S, math::abs, servo::Wanted, vector::Vec3};
+
+const PICO: f32 = 1e12;
+
+/// Impulse given to the medium since boot.
+#[derive(Clone, Debug, Default)]
+pub struct Ledger {
+    to_fluid: [i64; 3],
+}
+
+impl Ledger {
+    /// Books a tick in which `acted_n` acted on the hand: the medium got the opposite of its
+    /// share for a tick's time.
+    pub fn book(&mut self, wanted: &Wanted, acted_n: Vec3) {
+        let share_n = medium_share_n(wanted, acted_n);
+        for (sum, force_n) in self.to_fluid.iter_mut().zip(share_n.to_array()) {
+            // A float to integer cast saturates, and takes NaN for zero.
+            *sum = sum.saturating_sub((force_n * TICK_S * PICO) as i64);
+        }
+    }
+
+    /// The sum for the wire.
+    #[must_use]
+    pub fn impulse_to_fluid(&self) -> [PiconewtonSeconds; 3] {
+        self.to_fluid.map(PiconewtonSeconds)
+    }
+}
+
+/// The medium's share of a force that limits may have changed: medium and walls each bear of the
+/// change what they have of the wanted force, axis by axis.
+fn medium_share_n(wanted: &Wanted, acted_n: Vec3) -> Vec3 {
+    let share = |medium: f32, wall: f32, acted: f32| {
+        if medium == 0.0 || wall == 0.0 {
+            return if medium == 0.0 { 0.0 } else { acted };
+        }
+        let part = abs(medium) / (abs(medium) + abs(wall));
+        medium + (acted - (medium + wall)) * part
+    };
+    let (m, w) = (wanted.medium_n, wanted.walls_n);
+    Vec3::new(share(m.x, w.x, acted_n.x), share(m.y, w.y, acted_n.y), share(m.z, w.z, acted_n.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_newton_for_a_tick_is_a_billion_piconewton_seconds_the_other_way() {
+        let mut ledger = Ledger::default();
+        let medium_n = Vec3::new(1.0, 0.0, -0.5);
+        ledger.book(&Wanted { medium_n, ..Wanted::default() }, medium_n);
+        let [x, y, z] = ledger.impulse_to_fluid().map(|p| p.0);
+        assert!((x + 1_000_000_000).abs() < 100 && y == 0 && (z - 500_000_000).abs() < 100);
+    }
+
+    #[test]
+    fn walls_keep_their_own() {
+        let wanted = Wanted {
+            medium_n: Vec3::new(1.0, 0.0, 0.0),
+            walls_n: Vec3::new(3.0, 2.0, 0.0),
+            ..Wanted::default()
+        };
+        let whole = medium_share_n(&wanted, wanted.total_n());
+        assert_eq!(whole, Vec3::new(1.0, 0.0, 0.0));
+        let halved = medium_share_n(&wanted, wanted.total_n() * 0.5);
+        assert_eq!(halved, Vec3::new(0.5, 0.0, 0.0));
+    }
+}
