@@ -33,6 +33,7 @@ pub mod kinematics;
 pub mod ledger;
 pub mod limit;
 pub mod math;
+pub mod presets;
 pub mod servo;
 pub mod settings;
 pub mod stopwatch;
