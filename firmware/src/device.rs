@@ -7,6 +7,7 @@ use cauldron_protocol::{
     units::Ticks,
 };
 use heapless::Vec;
+use serde::Serialize;
 
 use crate::{
     board::Board,
@@ -34,6 +35,7 @@ pub struct Device {
     answers: Vec<Up, MAX_ANSWERS>,
     states: States,
     was_up: bool,
+    bytes: [u8; BYTES_PER_TICK],
 }
 
 impl Device {
@@ -50,6 +52,7 @@ impl Device {
             answers: Vec::new(),
             states: States::new(),
             was_up: false,
+            bytes: [0; BYTES_PER_TICK],
         }
     }
 
@@ -73,9 +76,8 @@ impl Device {
             self.decoder.restart();
         }
         self.was_up = link_up;
-        let mut bytes = [0; BYTES_PER_TICK];
-        let received = board.receive(&mut bytes);
-        let mut rest = bytes.get(..received).unwrap_or(&[]);
+        let received = board.receive(&mut self.bytes);
+        let mut rest = self.bytes.get(..received).unwrap_or(&[]);
         while let Some(frame) = self.decoder.feed(&mut rest) {
             let Some(answer) = obey(&mut self.control, self.now, &frame, &mut self.torn) else {
                 count(&mut self.unknown);
@@ -95,24 +97,25 @@ impl Device {
 
     /// Answers at once, states four ticks at a time.
     fn report(&mut self, board: &mut impl Board, state: State) {
-        for answer in core::mem::take(&mut self.answers) {
-            self.send(board, Kind::Up, &answer);
+        for answer in &self.answers {
+            send(board, &mut self.sequence, Kind::Up, answer);
         }
+        self.answers.clear();
         // Sent whenever it is full, so there is room.
         let _ = self.states.push(state);
         if self.states.is_full() {
-            let states = core::mem::take(&mut self.states);
-            self.send(board, Kind::States, &states);
+            send(board, &mut self.sequence, Kind::States, &self.states);
+            self.states.clear();
         }
     }
+}
 
-    fn send<T: serde::Serialize>(&mut self, board: &mut impl Board, kind: Kind, message: &T) {
-        let mut frame = [0; MAX_FRAME];
-        if let Ok(bytes) = encode_message(kind, self.sequence, message, &mut frame) {
-            board.send(bytes);
-        }
-        self.sequence = self.sequence.wrapping_add(1);
+fn send<T: Serialize>(board: &mut impl Board, sequence: &mut u16, kind: Kind, message: &T) {
+    let mut frame = [0; MAX_FRAME];
+    if let Ok(bytes) = encode_message(kind, *sequence, message, &mut frame) {
+        board.send(bytes);
     }
+    *sequence = sequence.wrapping_add(1);
 }
 
 /// Carries a frame out; `None` if it is not for a device.

@@ -84,7 +84,7 @@ impl Settings {
     pub fn identity(&self) -> Identity {
         Identity {
             protocol_version: PROTOCOL_VERSION,
-            schema_hash: schema_hash(),
+            schema_hash: const { schema_hash() },
             firmware_version: self.image.version,
             ticks_per_second: TICKS_PER_SECOND,
             ceilings: self.config.ceilings,

@@ -88,6 +88,44 @@ impl Board for Tape<'_> {
     fn send(&mut self, _bytes: &[u8]) {}
 }
 
+/// A board that records what another one met; whatever grows takes the bytes.
+#[derive(Debug)]
+pub struct Recorder<'a, B, T> {
+    board: &'a mut B,
+    tape: &'a mut T,
+    sensed: Sensed,
+}
+
+impl<'a, B: Board, T: Extend<u8>> Recorder<'a, B, T> {
+    /// Records the next tick of `board` on `tape`.
+    pub fn new(board: &'a mut B, tape: &'a mut T) -> Self {
+        Self { board, tape, sensed: Sensed::default() }
+    }
+}
+
+impl<B: Board, T: Extend<u8>> Board for Recorder<'_, B, T> {
+    fn sense(&mut self) -> Sensed {
+        self.sensed = self.board.sense();
+        self.sensed
+    }
+
+    fn drive(&mut self, torque: [NewtonMetres; 3]) {
+        self.board.drive(torque);
+    }
+
+    fn receive(&mut self, into: &mut [u8]) -> usize {
+        let bytes = self.board.receive(into);
+        let received = u16::try_from(bytes).unwrap_or(u16::MAX);
+        self.tape.extend(head(&self.sensed, received));
+        self.tape.extend(into.iter().take(bytes).copied());
+        bytes
+    }
+
+    fn send(&mut self, bytes: &[u8]) {
+        self.board.send(bytes);
+    }
+}
+
 const _: () = assert!(BYTES_PER_TICK <= u16::MAX as usize, "a tick's bytes are counted in 16 bit");
 
 /// Plays a tape to a device just switched on; the ticks and the hash of its trace.

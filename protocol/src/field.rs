@@ -103,7 +103,7 @@ impl Channels {
 }
 
 /// The head of a field.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct FieldHead {
     /// Running number of the field, from 1.
     pub epoch: u32,
@@ -138,7 +138,26 @@ pub struct PatchHead {
     pub quanta: [f32; PatchChannel::COUNT],
 }
 
+impl Default for FieldHead {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
 impl FieldHead {
+    /// The head of no field: epoch 0, no nodes.
+    pub const NONE: Self = Self {
+        epoch: 0,
+        valid_from: Ticks(0),
+        valid_until: Ticks(0),
+        channels: Channels(0),
+        nodes: [0; 3],
+        origin: [Metres(0.0); 3],
+        spacing: Metres(0.0),
+        quanta: [0.0; Channel::COUNT],
+        patch: None,
+    };
+
     /// Nodes of the window.
     #[must_use]
     pub fn node_count(&self) -> usize {

@@ -17,22 +17,15 @@ pub struct Buffer {
 
 const _: () = assert!(MAX_SLABS <= u32::BITS as usize, "a bit for each slab");
 
-impl Default for Buffer {
-    fn default() -> Self {
-        Self {
-            head: FieldHead::default(),
-            expires: Ticks(0),
-            samples: [0; MAX_SAMPLES],
-            missing: 0,
-        }
-    }
-}
-
 impl Buffer {
+    /// No field.
+    pub const EMPTY: Self =
+        Self { head: FieldHead::NONE, expires: Ticks(0), samples: [0; MAX_SAMPLES], missing: 0 };
+
     /// Begins the field that `head` announces; false, and no field, if it cannot be held.
     pub fn begin(&mut self, head: FieldHead) -> bool {
         let sound = head.epoch != 0 && head.is_sound() && head.slab_count() <= MAX_SLABS;
-        self.head = if sound { head } else { FieldHead::default() };
+        self.head = if sound { head } else { FieldHead::NONE };
         self.expires = self.head.valid_until;
         self.missing = if sound { (1u32 << head.slab_count()) - 1 } else { 0 };
         sound
@@ -63,8 +56,10 @@ impl Buffer {
         !self.is_open()
     }
 
-    /// The sample at `index`, 0 past the end.
-    pub(super) fn sample(&self, index: usize) -> f32 {
-        f32::from(self.samples.get(index).copied().unwrap_or(0))
+    /// The sample at `index` and the one after it, 0 past the end: read together, since a check
+    /// of bounds costs as much as a sample.
+    pub(super) fn pair(&self, index: usize) -> [f32; 2] {
+        let pair = self.samples.get(index..).and_then(|from| from.first_chunk::<2>());
+        pair.copied().unwrap_or_default().map(f32::from)
     }
 }

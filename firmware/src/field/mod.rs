@@ -5,11 +5,13 @@
 //! `valid_from`; of the ways to refresh a force at a low rate that one leaves the least ripple.
 
 mod buffer;
+mod shelf;
 #[cfg(test)]
 mod tests;
 mod window;
 
 pub use buffer::Buffer;
+use shelf::Shelf;
 
 use cauldron_protocol::{
     Refusal,
@@ -124,10 +126,7 @@ impl Surface {
 /// time, and one that is being received.
 #[derive(Clone, Debug, Default)]
 pub struct Field {
-    from: Buffer,
-    to: Buffer,
-    waiting: Buffer,
-    receiving: Buffer,
+    shelf: Shelf,
     ramp_start: Ticks,
     acting: bool,
     has_waiting: bool,
@@ -140,13 +139,13 @@ impl Field {
     /// # Errors
     /// [`Refusal::BadField`] if the device cannot hold it or the head contradicts itself.
     pub fn begin(&mut self, head: FieldHead, torn: &mut u16) -> Result<(), Refusal> {
-        if self.receiving.is_open() {
+        if self.shelf.receiving().is_open() {
             count(torn);
         }
-        if !self.receiving.begin(head) {
+        if !self.shelf.receiving().begin(head) {
             return Err(Refusal::BadField);
         }
-        if !self.receiving.is_open() {
+        if !self.shelf.receiving().is_open() {
             self.commit(); // nothing but a head: a scene without medium
         }
         Ok(())
@@ -154,13 +153,13 @@ impl Field {
 
     /// Stores a slab; with the last one the field is committed as a whole.
     pub fn store(&mut self, slab: SlabHead, data: &[u8]) {
-        if self.receiving.store(slab, data) {
+        if self.shelf.receiving().store(slab, data) {
             self.commit();
         }
     }
 
     fn commit(&mut self) {
-        core::mem::swap(&mut self.waiting, &mut self.receiving);
+        self.shelf.commit();
         self.has_waiting = true;
     }
 
@@ -169,7 +168,7 @@ impl Field {
     /// # Errors
     /// [`Refusal::WrongEpoch`] if `keep` names another one.
     pub fn keep(&mut self, keep: Keep) -> Result<(), Refusal> {
-        let newest = if self.has_waiting { &mut self.waiting } else { &mut self.to };
+        let newest = if self.has_waiting { self.shelf.waiting_mut() } else { self.shelf.to_mut() };
         if newest.head.epoch != keep.epoch || keep.epoch == 0 {
             return Err(Refusal::WrongEpoch);
         }
@@ -182,7 +181,7 @@ impl Field {
     /// Epoch of the field that acts, 0 before the first.
     #[must_use]
     pub fn epoch(&self) -> u32 {
-        if self.acting { self.to.head.epoch } else { 0 }
+        if self.acting { self.shelf.to().head.epoch } else { 0 }
     }
 
     /// True once a field acts.
@@ -196,16 +195,18 @@ impl Field {
         self.acting = false;
         self.has_waiting = false;
         self.freshness = 0.0;
-        self.receiving.begin(FieldHead::default());
+        self.shelf.receiving().begin(FieldHead::default());
     }
 
     /// Lets a waiting field act if its time has come, and how fresh the one that acts is:
     /// 1 as sent, 0 faded to rest.
     pub fn advance(&mut self, now: Ticks) -> f32 {
-        if self.has_waiting && (!self.acting || now.since(self.waiting.head.valid_from) >= 0) {
+        if self.has_waiting
+            && (!self.acting || now.since(self.shelf.waiting().head.valid_from) >= 0)
+        {
             self.start_ramp(now);
         }
-        let late = now.since(self.to.expires) - HELD_TICKS;
+        let late = now.since(self.shelf.to().expires) - HELD_TICKS;
         let known = 1.0 - late as f32 / (FADED_TICKS - HELD_TICKS) as f32;
         let target = if self.acting { clamp(known, 0.0, 1.0) } else { 0.0 };
         let step = clamp(target - self.freshness, -1.0, 1.0 / RECOVERY_TICKS);
@@ -214,14 +215,13 @@ impl Field {
     }
 
     fn start_ramp(&mut self, now: Ticks) {
-        core::mem::swap(&mut self.from, &mut self.to);
-        core::mem::swap(&mut self.to, &mut self.waiting);
+        self.shelf.promote();
         self.has_waiting = false;
         self.ramp_start = now;
         if !self.acting {
             self.acting = true;
             self.freshness = 1.0; // the arming ramp is gentle enough
-            self.ramp_start = self.to.head.valid_until;
+            self.ramp_start = self.shelf.to().head.valid_until;
         }
     }
 
@@ -232,15 +232,18 @@ impl Field {
         if !self.acting {
             return Medium::at_rest(rest);
         }
-        let to = self.to.medium(at_m, wanted, rest);
+        let to = self.shelf.to().medium(at_m, wanted, rest);
         let part = self.ramp(now);
-        let medium =
-            if part < 1.0 { self.from.medium(at_m, wanted, rest).ramped_to(&to, part) } else { to };
+        let medium = if part < 1.0 {
+            self.shelf.from().medium(at_m, wanted, rest).ramped_to(&to, part)
+        } else {
+            to
+        };
         if self.freshness < 1.0 { medium.faded_to(rest, self.freshness) } else { medium }
     }
 
     fn ramp(&self, now: Ticks) -> f32 {
-        let length = self.to.head.valid_until.since(self.ramp_start);
+        let length = self.shelf.to().head.valid_until.since(self.ramp_start);
         let gone = now.since(self.ramp_start);
         if length <= 0 { 1.0 } else { clamp(gone as f32 / length as f32, 0.0, 1.0) }
     }

@@ -100,8 +100,8 @@ impl Buffer {
 
     /// Bilinear in the square whose lowest corner is sample `at`.
     fn square(&self, at: usize, row: usize, across: f32, along: f32) -> f32 {
-        let near = lerp(self.sample(at), self.sample(at + 1), across);
-        let far = lerp(self.sample(at + row), self.sample(at + row + 1), across);
-        lerp(near, far, along)
+        let [a, b] = self.pair(at);
+        let [c, d] = self.pair(at + row);
+        lerp(lerp(a, b, across), lerp(c, d, across), along)
     }
 }

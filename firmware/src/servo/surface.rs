@@ -37,7 +37,8 @@ impl SurfaceContact {
             return if fills_space { Contact::Wet } else { Contact::Dry };
         };
         let depth_m = surface.height_m - position_m.y;
-        let breaks = depth_m * surface.stiffness_n_per_m > surface.break_force_n || !felt;
+        let held = felt && surface.stiffness_n_per_m > 0.0; // a stale surface holds nothing up
+        let breaks = !held || depth_m * surface.stiffness_n_per_m > surface.break_force_n;
         if depth_m < -OUT_M {
             self.through = false;
         } else if depth_m > 0.0 && breaks {
@@ -96,6 +97,9 @@ mod tests {
     fn a_surface_that_is_not_felt_holds_nothing_up() {
         let mut surface = SurfaceContact::default();
         assert_eq!(surface.update(false, at(0.0099), &over(0.01)), Contact::Wet);
+        let faded = over(0.01).surface.map(|s| Surface { stiffness_n_per_m: 0.0, ..s });
+        let stale = Medium { surface: faded, ..Medium::default() };
+        assert_eq!(SurfaceContact::default().update(true, at(0.0099), &stale), Contact::Wet);
     }
 
     #[test]
