@@ -230,7 +230,7 @@ impl Field {
     #[must_use]
     pub fn medium(&self, now: Ticks, at_m: Vec3, wanted: Channels, rest: &RestMedium) -> Medium {
         if !self.acting {
-            return Medium::at_rest(rest);
+            return Medium::default(); // nothing is known of a medium
         }
         let to = self.shelf.to().medium(at_m, wanted, rest);
         let part = self.ramp(now);

@@ -1,0 +1,178 @@
+//! The command line.
+
+use cauldron_fluid::simd::SimdClass;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Stir a pot of fluid with a force-feedback handle: see it, feel it, measure it.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES)]
+pub struct Cli {
+    /// Without a command: run, with its defaults.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  cauldron                                  the cauldron, 10 s, pictures in out/
+  cauldron run --scene honey.toml --out h   a scene of your own
+  cauldron run --json --fps 0               the figures alone, as one line of JSON
+  cauldron scenes                           what there is to stir
+  cauldron bench fluid --quick              our solver against the founding one
+
+Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the device failed.";
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Runs a scene on a device and shows what happened.
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(RunArgs),
+    /// Lists the scenes.
+    Scenes(ScenesArgs),
+    /// Measures run time against error.
+    Bench {
+        /// What to measure.
+        #[command(subcommand)]
+        group: BenchGroup,
+    },
+}
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  cauldron run --scene taylor-green --seconds 4
+  cauldron run --seed 7 --fps 10 --out seven
+  cauldron run --real-time --threads 1
+  cauldron run --json --fps 0 | python3 -m json.tool
+
+out/ holds frame-0001.png ..., contact-sheet.png, plot.png, run.csv and run.json.";
+
+impl Default for Command {
+    fn default() -> Self {
+        Self::Run(RunArgs::default())
+    }
+}
+
+/// Where a scene runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DeviceKind {
+    /// The simulated device: the firmware itself on a simulated board.
+    Sim,
+}
+
+/// Arguments of `run`.
+#[derive(Args, Clone, Debug)]
+pub struct RunArgs {
+    /// A scene's name, or a file that ends in .toml
+    #[arg(long, default_value = "cauldron", value_name = "NAME|FILE.toml")]
+    pub scene: String,
+    /// The device
+    #[arg(long, value_enum, default_value_t = DeviceKind::Sim)]
+    pub device: DeviceKind,
+    /// Simulated seconds
+    #[arg(long, default_value_t = 10.0, value_parser = seconds)]
+    pub seconds: f64,
+    /// Seed of every draw
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for pictures, trace and figures
+    #[arg(long, default_value = "out", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Pictures per simulated second; 0 for none
+    #[arg(long, default_value_t = 5.0, value_parser = frames_per_second)]
+    pub fps: f64,
+    /// Cells along the box's longest edge, instead of the scene's own
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=128))]
+    pub grid: Option<u16>,
+    /// Threads of the fluid; by default as many as there are cores, at most 2
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub threads: Option<u16>,
+    /// Vector width of the fluid, by default the widest there is: portable, avx2 or avx512
+    #[arg(long, value_parser = simd_class)]
+    pub simd: Option<SimdClass>,
+    /// Runs on the wall's clock instead of virtual time
+    #[arg(long)]
+    pub real_time: bool,
+    /// Opens no window (this version has none to open)
+    #[arg(long)]
+    pub headless: bool,
+    /// Prints the figures as one line of JSON, the last on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Default for RunArgs {
+    /// What the command line gives when it says nothing.
+    fn default() -> Self {
+        Self {
+            scene: "cauldron".into(),
+            device: DeviceKind::Sim,
+            seconds: 10.0,
+            seed: 1,
+            out: "out".into(),
+            fps: 5.0,
+            grid: None,
+            threads: None,
+            simd: None,
+            real_time: false,
+            headless: false,
+            json: false,
+        }
+    }
+}
+
+/// Arguments of `scenes`.
+#[derive(Args, Debug)]
+pub struct ScenesArgs {
+    /// Prints a line of JSON for each
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What can be measured.
+#[derive(Debug, Subcommand)]
+pub enum BenchGroup {
+    /// Flow solvers: error, time, and the ratio of their times to the founding solver's
+    Fluid(BenchArgs),
+}
+
+/// Arguments of `bench`.
+#[derive(Args, Clone, Debug)]
+pub struct BenchArgs {
+    /// The cases that have a target, at n = 16 and 32
+    #[arg(long)]
+    pub quick: bool,
+    /// Prints a JSON object for each row
+    #[arg(long)]
+    pub json: bool,
+    /// Draws work-precision diagrams into this folder
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    bounded(text, 0.001, 86_400.0)
+}
+
+fn frames_per_second(text: &str) -> Result<f64, String> {
+    bounded(text, 0.0, 1000.0)
+}
+
+fn bounded(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("'{text}' is not a number"))?;
+    if (least..=most).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("must be from {least} to {most}"))
+    }
+}
+
+fn simd_class(text: &str) -> Result<SimdClass, String> {
+    let class = SimdClass::parse(text).ok_or("there are portable, avx2 and avx512")?;
+    if class <= SimdClass::detect() {
+        Ok(class)
+    } else {
+        Err("this processor does not have it".into())
+    }
+}

@@ -1,0 +1,21 @@
+//! The program: parses, runs, says how it went.
+
+use cauldron::{bench, cli, cli::Command, run, scenes};
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = cli::Cli::parse();
+    let done = match cli.command.unwrap_or_default() {
+        Command::Run(args) => run::run(&args),
+        Command::Scenes(args) => scenes::list(&args),
+        Command::Bench { group: cli::BenchGroup::Fluid(args) } => bench::fluid(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("cauldron: {failure}");
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! `cauldron run`.
+
+mod figures;
+mod live;
+mod output;
+mod pictures;
+mod plot;
+mod progress;
+mod record;
+
+pub use figures::Figures;
+pub use output::Output;
+pub use record::Record;
+
+use cauldron_fluid::{
+    pool::Pool,
+    scenes::{self, Scene},
+    simd::SimdClass,
+};
+use cauldron_link::{Faults, SessionError, Transport};
+use std::{
+    io::Write,
+    sync::Arc,
+    thread,
+    time::{Duration, Instant},
+};
+
+use crate::{
+    Failure,
+    cli::RunArgs,
+    cpu,
+    host::{Host, Latency},
+    world::{Options, SimHost, World},
+};
+use figures::Run;
+use live::{LiveDevice, Pace};
+use pictures::{Drawn, Pictures};
+use progress::Progress;
+
+/// Runs a scene, writes its folder, prints its figures.
+///
+/// # Errors
+/// [`Failure`]: bad input, a folder that cannot be written, a device that cannot be worked with.
+pub fn run(args: &RunArgs) -> Result<(), Failure> {
+    let scene = scene(args)?;
+    let output = Output::claim(&args.out)?;
+    let options = options(args);
+    let world = World::new(&scene, &options);
+    let drawn = if args.real_time { Drawn::Afterwards } else { Drawn::AtOnce };
+    let mut show = Show {
+        ticks: (args.seconds * 1e3).round() as usize,
+        record: Record::default(),
+        pictures: Pictures::new(&output, args.fps, options.pool.threads(), drawn),
+        progress: Progress::new((args.seconds * 1e3).round() as usize),
+        clock: Clock::default(),
+    };
+    let host = if args.real_time { show.play_live(world)? } else { show.play(world)? };
+    let run = Run { scene: &scene, options: &options, host: &host, clock: show.clock };
+    let figures = Figures::of(&run, &show.record);
+    show.record.write_csv(&output.file("run.csv"))?;
+    show.pictures.finish(&show.record)?;
+    output.write("run.json", figures.json().as_bytes())?;
+    let text = if args.json { figures.json() } else { figures.table(&output) };
+    writeln!(std::io::stdout(), "{text}").map_err(|e| Failure::Input(format!("stdout: {e}")))
+}
+
+fn scene(args: &RunArgs) -> Result<Scene, Failure> {
+    let mut scene = scenes::find(&args.scene).map_err(|e| Failure::Input(e.to_string()))?;
+    if let Some(n) = args.grid {
+        scene.regrid(usize::from(n));
+        scene.check().map_err(|wrong| Failure::Input(format!("--grid {n}: {wrong}")))?;
+    }
+    Ok(scene)
+}
+
+fn options(args: &RunArgs) -> Options {
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    let threads = args.threads.map_or(cores.min(2), usize::from);
+    let mut options = Options {
+        pool: Arc::new(Pool::new(threads, !args.real_time)),
+        simd: args.simd.unwrap_or_else(SimdClass::detect),
+        ..Options::new(args.seed)
+    };
+    if args.real_time {
+        options.latency = Latency::LIVE;
+        options.down = Faults::default();
+    }
+    options
+}
+
+/// What the loop took, without its pictures.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Clock {
+    /// By the wall.
+    pub wall: Duration,
+    /// Of all threads.
+    pub cpu: Duration,
+    /// Ticks that began late; real time only.
+    pub late_ticks: u64,
+}
+
+/// What is kept and shown of a run while it goes.
+struct Show<'a> {
+    ticks: usize,
+    record: Record,
+    pictures: Pictures<'a>,
+    progress: Progress,
+    clock: Clock,
+}
+
+impl Show<'_> {
+    /// Plays on virtual time until the host has heard of every tick.
+    fn play(&mut self, mut world: World) -> Result<SimHost, Failure> {
+        let mut watch = Watch::start();
+        while self.record.len() < self.ticks {
+            world.tick().map_err(|e| lost(&e))?;
+            self.take(&world.host);
+            if self.pictures.is_due(world.now_s()) {
+                watch.stop(&mut self.clock);
+                self.pictures.take(&world.host)?;
+                watch = Watch::start();
+            }
+        }
+        watch.stop(&mut self.clock);
+        self.progress.finish();
+        Ok(world.host)
+    }
+
+    /// Plays on the wall's clock: the device beside the host, neither waits for the other.
+    fn play_live(&mut self, world: World) -> Result<SimHost, Failure> {
+        let mut host = world.host;
+        let device = LiveDevice::start(world.device)
+            .map_err(|e| Failure::Device(format!("no thread for the device: {e}")))?;
+        let (watch, started, mut pace) = (Watch::start(), Instant::now(), Pace::new());
+        while self.record.len() < self.ticks {
+            pace.wait();
+            let now = started.elapsed();
+            host.poll(now.as_micros() as u64).map_err(|e| lost(&e))?;
+            self.take(&host);
+            if self.pictures.is_due(now.as_secs_f64()) {
+                self.pictures.take(&host)?;
+            }
+        }
+        watch.stop(&mut self.clock);
+        self.clock.late_ticks = device.stop();
+        self.progress.finish();
+        Ok(host)
+    }
+
+    fn take<T: Transport>(&mut self, host: &Host<T>) {
+        self.record.take(&host.states, self.ticks);
+        self.progress.show(&self.record, host.pot.totals().steps);
+    }
+}
+
+fn lost(error: &SessionError) -> Failure {
+    Failure::Device(error.to_string())
+}
+
+/// Wall and CPU time since it was started.
+struct Watch {
+    wall: Instant,
+    cpu: Duration,
+}
+
+impl Watch {
+    fn start() -> Self {
+        Self { wall: Instant::now(), cpu: cpu::time() }
+    }
+
+    fn stop(&self, clock: &mut Clock) {
+        clock.wall += self.wall.elapsed();
+        clock.cpu += cpu::time().saturating_sub(self.cpu);
+    }
+}

@@ -1,0 +1,10 @@
+//! The local field of force: what the medium around the probe will be when the field arrives,
+//! and the books of what the probe gave to the medium.
+
+mod bake;
+mod drag;
+mod exchange;
+
+pub use bake::{Baked, Baker, Life, Update};
+pub use drag::{Drag, sphere_drag_n};
+pub use exchange::Exchange;

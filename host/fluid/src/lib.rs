@@ -1,0 +1,21 @@
+//! The pot: incompressible flow, substances, surface, and the local field of force baked from them.
+//!
+//! Pure simulation in SI units: no wire, no picture, no clock.
+
+pub mod force;
+pub mod grid;
+pub mod mask;
+pub mod pool;
+pub mod pot;
+pub mod scenes;
+pub mod simd;
+pub mod snapshot;
+pub mod solver;
+pub mod substance;
+pub mod surface;
+pub mod vessel;
+
+pub use grid::Grid;
+pub use pot::Pot;
+pub use snapshot::{Snapshot, SubstanceView, SurfaceView};
+pub use vessel::Vessel;

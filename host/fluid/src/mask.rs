@@ -1,0 +1,95 @@
+//! Which cells of a grid hold liquid.
+
+use glam::Vec3;
+
+use crate::{grid::Grid, vessel::Vessel};
+
+/// The liquid cells of a vessel: those whose centre is inside of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mask {
+    cells: [usize; 3],
+    liquid: Vec<bool>,
+    liquid_cells: usize,
+}
+
+impl Mask {
+    /// The cells of `grid` that `vessel` holds.
+    #[must_use]
+    pub fn new(grid: &Grid, vessel: &Vessel) -> Self {
+        let [nx, ny, nz] = grid.cells;
+        let mut liquid = Vec::with_capacity(grid.len());
+        for k in 0..nz {
+            for j in 0..ny {
+                let is_liquid = |i| vessel.depth_inside_m(grid.centre_in_world_m(i, j, k)) > 0.0;
+                liquid.extend((0..nx).map(is_liquid));
+            }
+        }
+        let liquid_cells = liquid.iter().filter(|is_liquid| **is_liquid).count();
+        Self { cells: grid.cells, liquid, liquid_cells }
+    }
+
+    /// Number of liquid cells.
+    #[must_use]
+    pub fn liquid_cells(&self) -> usize {
+        self.liquid_cells
+    }
+
+    /// True if every cell of the grid is liquid, so that its walls are the grid's own.
+    #[must_use]
+    pub fn is_box(&self) -> bool {
+        self.liquid_cells == self.liquid.len()
+    }
+
+    /// True if the cell is inside the grid and liquid; any index may be asked for.
+    #[must_use]
+    pub fn is_liquid(&self, cell: [isize; 3]) -> bool {
+        let inside = (0..3).all(|d| (0..self.cells[d] as isize).contains(&cell[d]));
+        let [i, j, k] = cell.map(|c| c as usize);
+        inside && self.liquid[i + self.cells[0] * (j + self.cells[1] * k)]
+    }
+
+    /// True if the lower face of `cell` along `axis` lies between two liquid cells, so that
+    /// liquid can pass.
+    #[must_use]
+    pub fn is_open(&self, axis: usize, cell: [isize; 3]) -> bool {
+        let mut below = cell;
+        below[axis] -= 1;
+        self.is_liquid(cell) && self.is_liquid(below)
+    }
+
+    /// True if the cell that contains `point_in_world_m` is liquid.
+    #[must_use]
+    pub fn holds(&self, grid: &Grid, point_in_world_m: Vec3) -> bool {
+        let cell = (point_in_world_m - grid.origin_in_world_m) / grid.spacing_m;
+        self.is_liquid(cell.to_array().map(|c| c.floor() as isize))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_is_liquid_throughout_and_closed_at_its_walls() {
+        let mask = Mask::new(&Grid::unit_cube(4), &Vessel::Box);
+        assert!(mask.is_box());
+        assert_eq!(mask.liquid_cells(), 64);
+        assert!(!mask.is_open(0, [0, 1, 1]) && mask.is_open(0, [1, 1, 1]));
+        assert!(!mask.is_open(1, [1, 4, 1]) && !mask.is_liquid([-1, 0, 0]));
+    }
+
+    #[test]
+    fn a_pot_has_the_volume_of_its_hemisphere_and_cylinder() {
+        let (radius, height) = (0.12f32, 0.256f32);
+        let grid = Grid { cells: [64; 3], spacing_m: height / 64.0, origin_in_world_m: Vec3::ZERO };
+        let centre = Vec3::new(0.128, 0.128, 0.128);
+        let pot = Vessel::Pot { centre_in_world_m: centre, radius_m: radius };
+        let mask = Mask::new(&grid, &pot);
+        let pi = std::f32::consts::PI;
+        let exact = pi * radius * radius * ((height - 0.128) + 2.0 / 3.0 * radius);
+        let measured = mask.liquid_cells() as f32 * grid.cell_volume_m3();
+        assert!((measured / exact - 1.0).abs() < 0.01, "{measured} {exact}");
+        assert!(mask.holds(&grid, centre) && !mask.holds(&grid, Vec3::ZERO));
+        assert!(!mask.holds(&grid, Vec3::splat(f32::NAN)) && !mask.holds(&grid, Vec3::splat(9.0)));
+    }
+}

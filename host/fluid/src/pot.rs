@@ -1,0 +1,250 @@
+//! The pot: liquid, substances and surface of one scene, a step at a time. What the scene lacks
+//! is not there, and costs nothing.
+
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+use crate::{
+    Snapshot, SubstanceView,
+    force::{Drag, Exchange},
+    grid::Grid,
+    pool::Pool,
+    scenes::{Scene, Start, Substance},
+    simd::SimdClass,
+    solver::{Setup, Solver, flow::Flow},
+    substance::Substances,
+    surface::SpringSheet,
+    vessel::Vessel,
+};
+
+/// Extremes and counts of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps in which the liquid was at rest and was skipped.
+    pub steps_asleep: u64,
+    /// Largest kinetic energy of the liquid.
+    pub kinetic_energy_max_j: f64,
+    /// Largest |div u| left in a cell after a step.
+    pub divergence_max_per_s: f64,
+    /// Times that the energy guard acted.
+    pub guard_actions: u64,
+    /// Values that were refused because they were not finite.
+    pub refused: u64,
+}
+
+/// A pot.
+pub struct Pot {
+    grid: Grid,
+    vessel: Vessel,
+    liquid_colour: Option<Vec3>,
+    palette: Vec<Substance>,
+    flow: Option<Flow>,
+    substances: Option<Substances>,
+    surface: Option<SpringSheet>,
+    drag: Drag,
+    probe_radius_m: f32,
+    probe_in_world_m: Vec3,
+    exchange: Exchange,
+    time_s: f64,
+    totals: Totals,
+}
+
+impl Pot {
+    /// The pot of a scene that has passed its check, as it is at first.
+    #[must_use]
+    pub fn new(scene: &Scene, pool: Arc<Pool>, simd: SimdClass) -> Self {
+        let setup = scene.liquid.map(|liquid| Setup {
+            density_kg_m3: liquid.density_kg_m3,
+            viscosity_m2_s: liquid.viscosity_m2_s,
+            walls: liquid.walls,
+            pool,
+            simd,
+            ..Setup::new(scene.grid, scene.vessel)
+        });
+        let mut flow = setup.as_ref().map(Flow::new);
+        if let (Some(flow), Start::TaylorGreen(speed_m_s)) = (&mut flow, scene.start) {
+            start_vortex(flow, &scene.grid, speed_m_s);
+        }
+        let drag = scene.liquid.map_or(Drag::default(), |liquid| {
+            Drag::of_sphere(
+                f64::from(scene.probe.radius_m),
+                f64::from(liquid.density_kg_m3),
+                f64::from(liquid.viscosity_m2_s),
+            )
+        });
+        let diffusivities: Vec<f32> = scene.substances.iter().map(|s| s.diffusivity_m2_s).collect();
+        Self {
+            grid: scene.grid,
+            vessel: scene.vessel,
+            liquid_colour: scene.liquid.map(|liquid| liquid.colour),
+            palette: scene.substances.clone(),
+            substances: setup.map(|setup| Substances::new(&setup, &diffusivities)),
+            flow,
+            surface: scene.surface.map(|s| SpringSheet::new(s, &scene.grid, &scene.vessel)),
+            drag,
+            probe_radius_m: scene.probe.radius_m,
+            probe_in_world_m: scene.story.start_m,
+            exchange: Exchange::default(),
+            time_s: 0.0,
+            totals: Totals::default(),
+        }
+    }
+
+    /// The box.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The liquid, if the scene has one.
+    #[must_use]
+    pub fn flow(&self) -> Option<&Flow> {
+        self.flow.as_ref()
+    }
+
+    /// The surface, if the scene has one.
+    #[must_use]
+    pub fn surface(&self) -> Option<&SpringSheet> {
+        self.surface.as_ref()
+    }
+
+    /// The substances, if the scene has a liquid to pour them into.
+    #[must_use]
+    pub fn substances(&self) -> Option<&Substances> {
+        self.substances.as_ref()
+    }
+
+    /// Drag of the probe in the liquid.
+    #[must_use]
+    pub fn drag(&self) -> Drag {
+        self.drag
+    }
+
+    /// Mass of liquid that the probe's impulse moves at once, where it is now.
+    #[must_use]
+    pub fn moved_mass_kg(&self) -> Option<f64> {
+        let flow = self.flow.as_ref()?;
+        Some(flow.effective_mass_kg(self.probe_in_world_m, self.probe_radius_m))
+    }
+
+    /// Radius of the probe.
+    #[must_use]
+    pub fn probe_radius_m(&self) -> f32 {
+        self.probe_radius_m
+    }
+
+    /// The books of what the probe gave to the liquid.
+    #[must_use]
+    pub fn exchange(&self) -> &Exchange {
+        &self.exchange
+    }
+
+    /// Extremes and counts so far.
+    #[must_use]
+    pub fn totals(&self) -> &Totals {
+        &self.totals
+    }
+
+    /// Says where the probe is, in world metres; a place that is not finite is left out.
+    pub fn place_probe(&mut self, at_in_world_m: Vec3) {
+        if at_in_world_m.is_finite() {
+            self.probe_in_world_m = at_in_world_m;
+        }
+    }
+
+    /// Takes the impulse that the probe gave, in physical newton seconds: to the liquid around
+    /// it, and, vertically, to the surface over the next `dt_s`.
+    pub fn take(&mut self, to_liquid_n_s: DVec3, to_surface_n_s: f64, dt_s: f32) {
+        let at = self.probe_in_world_m;
+        if let Some(flow) = &mut self.flow {
+            let given = self.exchange.give(flow, at, self.probe_radius_m, to_liquid_n_s);
+            self.totals.refused += u64::from(given.is_err());
+        }
+        if let Some(surface) = &mut self.surface {
+            surface.press(at, (to_surface_n_s / f64::from(dt_s)) as f32);
+        }
+    }
+
+    /// Pours the substances whose bit is set for `dt_s`.
+    pub fn pour(&mut self, buttons: u8, dt_s: f32) {
+        let Some(substances) = &mut self.substances else { return };
+        for (place, jet) in self.palette.iter().enumerate().take(8) {
+            if buttons >> place & 1 == 1 {
+                let (at, radius, rate) = (jet.pour_at_m, jet.pour_radius_m, jet.pour_per_s);
+                let poured = substances.pour(place, at, radius, rate, f64::from(dt_s));
+                self.totals.refused += u64::from(poured.is_err());
+            }
+        }
+    }
+
+    /// One step: the liquid, what it carries, its surface.
+    pub fn step(&mut self, dt_s: f32) {
+        self.totals.steps += 1;
+        self.time_s += f64::from(dt_s);
+        if let Some(flow) = &mut self.flow {
+            match flow.step(f64::from(dt_s)) {
+                Ok(report) => {
+                    let totals = &mut self.totals;
+                    totals.steps_asleep += u64::from(report.asleep);
+                    totals.guard_actions += u64::from(report.guard_actions);
+                    totals.kinetic_energy_max_j =
+                        totals.kinetic_energy_max_j.max(report.kinetic_energy_j);
+                    totals.divergence_max_per_s =
+                        totals.divergence_max_per_s.max(report.divergence_max_per_s);
+                }
+                Err(_) => self.totals.refused += 1,
+            }
+            if let Some(substances) = &mut self.substances {
+                let carried = substances.step(flow, f64::from(dt_s));
+                self.totals.refused += u64::from(carried.is_err());
+            }
+        }
+        if let Some(surface) = &mut self.surface {
+            surface.step(dt_s);
+        }
+    }
+
+    fn fraction(&self, place: usize) -> Vec<f32> {
+        let mut fraction = vec![0.0; self.grid.len()];
+        if let Some(substances) = &self.substances {
+            substances.copy_fraction(place, &mut fraction);
+        }
+        fraction
+    }
+
+    /// What is drawn.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        let view = |(place, s): (usize, &Substance)| SubstanceView {
+            colour: s.colour,
+            fraction: self.fraction(place),
+        };
+        Snapshot {
+            time_s: self.time_s,
+            grid: self.grid,
+            vessel: self.vessel,
+            liquid_colour: self.liquid_colour,
+            substances: self.palette.iter().enumerate().map(view).collect(),
+            surface: self.surface.as_ref().map(SpringSheet::view),
+        }
+    }
+}
+
+/// u = U (sin kx cos ly, -(k/l) cos kx sin ly, 0) with half a wave along each edge of the box.
+fn start_vortex(flow: &mut Flow, grid: &Grid, speed_m_s: f32) {
+    use std::f64::consts::PI;
+    let corner = grid.origin_in_world_m.as_dvec3();
+    let extent = grid.extent_m().as_dvec3();
+    let speed = f64::from(speed_m_s);
+    let vortex = |at: DVec3| {
+        let phase = PI * (at - corner) / extent;
+        let (sx, cx) = phase.x.sin_cos();
+        let (sy, cy) = phase.y.sin_cos();
+        DVec3::new(speed * sx * cy, -speed * extent.y / extent.x * cx * sy, 0.0)
+    };
+    if flow.set_velocity(&vortex).is_ok() {
+        flow.project();
+    }
+}

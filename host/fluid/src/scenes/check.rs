@@ -1,0 +1,182 @@
+//! What a scene may say: every number finite and in its range, checked once, where it enters.
+
+use std::fmt;
+
+use super::{Act, Scene};
+use crate::{surface::SurfaceParams, vessel::Vessel};
+
+/// The range of a number, both ends in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// Least.
+    pub least: f32,
+    /// Most.
+    pub most: f32,
+}
+
+impl Bound {
+    /// From `least` to `most`.
+    #[must_use]
+    pub const fn new(least: f32, most: f32) -> Self {
+        Self { least, most }
+    }
+
+    /// True if `value` is a number in the range.
+    #[must_use]
+    pub fn holds(&self, value: f32) -> bool {
+        value >= self.least && value <= self.most
+    }
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "must be from {} to {}", self.least, self.most)
+    }
+}
+
+/// A value that a scene may not have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wrong {
+    /// Which, by the name it has in a scene file.
+    pub key: String,
+    /// What it is.
+    pub value: String,
+    /// What it must be.
+    pub must: String,
+}
+
+impl fmt::Display for Wrong {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {}: {}", self.key, self.value, self.must)
+    }
+}
+
+/// Cells along an axis, and in all: a step of more would not fit into any frame.
+const CELLS: Bound = Bound::new(1.0, 512.0);
+const MOST_CELLS: usize = 128 * 128 * 128;
+
+impl Scene {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`Wrong`]: the first that is not finite, out of its range, or does not fit the others.
+    pub fn check(&self) -> Result<(), Wrong> {
+        self.check_space()?;
+        self.check_matter()?;
+        self.surface.as_ref().map_or(Ok(()), |s| check_surface(s, self))?;
+        self.check_feel()?;
+        self.check_story()
+    }
+
+    fn check_space(&self) -> Result<(), Wrong> {
+        for cells in self.grid.cells {
+            number("grid.cells", cells as f32, CELLS)?;
+        }
+        let all = self.grid.cells.iter().product::<usize>();
+        if all > MOST_CELLS {
+            return Err(wrong("grid.cells", &all, format!("at most {MOST_CELLS} in all")));
+        }
+        number("grid.spacing_m", self.grid.spacing_m, Bound::new(1e-4, 1.0))?;
+        place("grid.origin_m", self.grid.origin_in_world_m)?;
+        if let Vessel::Pot { centre_in_world_m, radius_m } = self.vessel {
+            place("vessel.centre_m", centre_in_world_m)?;
+            let widest = 0.5 * self.grid.extent_m().max_element();
+            number("vessel.radius_m", radius_m, Bound::new(1e-3, widest))?;
+        }
+        number("step_s", self.step_s, Bound::new(1e-3, 0.1))
+    }
+
+    fn check_matter(&self) -> Result<(), Wrong> {
+        if let Some(liquid) = &self.liquid {
+            number("liquid.density_kg_m3", liquid.density_kg_m3, Bound::new(0.1, 2e4))?;
+            number("liquid.viscosity_m2_s", liquid.viscosity_m2_s, Bound::new(0.0, 1e4))?;
+            colour("liquid.colour", liquid.colour)?;
+        }
+        for substance in &self.substances {
+            colour("substance.colour", substance.colour)?;
+            let diffusivity = substance.diffusivity_m2_s;
+            number("substance.diffusivity_m2_s", diffusivity, Bound::new(0.0, 1.0))?;
+            place("substance.pour_at_m", substance.pour_at_m)?;
+            number("substance.pour_radius_m", substance.pour_radius_m, Bound::new(1e-4, 1.0))?;
+            number("substance.pour_per_s", substance.pour_per_s, Bound::new(0.0, 1e3))?;
+        }
+        Ok(())
+    }
+
+    fn check_feel(&self) -> Result<(), Wrong> {
+        let feel = &self.feel;
+        number("probe.radius_m", self.probe.radius_m, Bound::new(1e-4, 0.5))?;
+        number("feel.felt_scale", feel.felt_scale, Bound::new(1e-3, 1e3))?;
+        number("feel.scale", feel.world_from_device.scale, Bound::new(1e-2, 1e2))?;
+        place("feel.offset_m", feel.world_from_device.offset_m.into())?;
+        number("feel.wall_stiffness_n_per_m", feel.wall_stiffness_n_per_m, Bound::new(0.0, 1e4))?;
+        number("feel.wall_damping_n_s_per_m", feel.wall_damping_n_s_per_m, Bound::new(0.0, 100.0))
+    }
+
+    fn check_story(&self) -> Result<(), Wrong> {
+        place("story.start_m", self.story.start_m)?;
+        for act in &self.story.acts {
+            number("story.seconds", act.seconds(), Bound::new(0.0, 1e6))?;
+            match *act {
+                Act::Reach { to_m, .. } => place("story.to_m", to_m)?,
+                Act::Stir { centre_m, radius_m, .. } => {
+                    place("story.centre_m", centre_m)?;
+                    number("story.radius_m", radius_m, Bound::new(0.0, 1.0))?;
+                }
+                Act::Rest { .. } => {}
+            }
+        }
+        for pour in &self.story.pours {
+            let substances = self.substances.len();
+            if pour.substance >= substances || pour.substance >= 8 {
+                let must = format!("the scene has {substances} substances, counted from 0");
+                return Err(wrong("story.pours.substance", &pour.substance, must));
+            }
+            number("story.pours.from_s", pour.from_s, Bound::new(0.0, 1e6))?;
+            number("story.pours.to_s", pour.to_s, Bound::new(pour.from_s, 1e6))?;
+        }
+        Ok(())
+    }
+}
+
+fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
+    const STIFF: Bound = Bound::new(0.0, 1e7);
+    number("surface.areal_mass_kg_m2", surface.areal_mass_kg_m2, Bound::new(1e-3, 1e4))?;
+    number("surface.gravity_n_per_m3", surface.gravity_n_per_m3, STIFF)?;
+    number("surface.tension_n_per_m", surface.tension_n_per_m, STIFF)?;
+    number("surface.bend", surface.bend, Bound::new(0.0, 10.0))?;
+    number("surface.drag_n_s_per_m3", surface.drag_n_s_per_m3, STIFF)?;
+    number("surface.layer_decay_m", surface.layer_decay_m, Bound::new(1e-4, 1e3))?;
+    number("surface.contact_stiffness_n_per_m", surface.contact_stiffness_n_per_m, STIFF)?;
+    number("surface.break_force_n", surface.break_force_n, STIFF)?;
+    let substeps = surface.substeps(scene.grid.spacing_m, scene.step_s);
+    let most = crate::surface::MOST_SUBSTEPS;
+    if substeps > most {
+        let must = format!(
+            "too stiff for a step of {} s: {substeps} sub-steps, at most {most}; \
+             lower tension or drag, raise areal_mass_kg_m2, or shorten step_s",
+            scene.step_s
+        );
+        return Err(wrong("surface.tension_n_per_m", &surface.tension_n_per_m, must));
+    }
+    if scene.liquid.is_none() {
+        return Err(wrong("surface", &"on", "a surface needs a [liquid]".into()));
+    }
+    Ok(())
+}
+
+pub(super) fn number(key: &str, value: f32, bound: Bound) -> Result<(), Wrong> {
+    if bound.holds(value) { Ok(()) } else { Err(wrong(key, &value, bound.to_string())) }
+}
+
+fn place(key: &str, at_m: glam::Vec3) -> Result<(), Wrong> {
+    at_m.to_array().into_iter().try_for_each(|x| number(key, x, Bound::new(-100.0, 100.0)))
+}
+
+fn colour(key: &str, rgb: glam::Vec3) -> Result<(), Wrong> {
+    rgb.to_array().into_iter().try_for_each(|c| number(key, c, Bound::new(0.0, 1.0)))
+}
+
+fn wrong(key: &str, value: &dyn fmt::Display, must: String) -> Wrong {
+    Wrong { key: key.into(), value: value.to_string(), must }
+}

@@ -1,0 +1,226 @@
+//! Scenes: what is in the pot, how it is felt, and what the hand does with it.
+//!
+//! A scene is one file here and one row in [`INDEX`], or a TOML file that starts from one of
+//! them ([`read`]).
+
+mod cauldron;
+mod check;
+mod empty;
+mod file;
+mod taylor_green;
+
+pub use check::{Bound, Wrong};
+pub use file::{SceneError, find, read};
+
+use cauldron_protocol::{WorldFromDevice, message::Modes};
+use glam::Vec3;
+
+use crate::{grid::Grid, solver::Walls, surface::SurfaceParams, vessel::Vessel};
+
+/// A row of the index.
+#[derive(Clone, Copy)]
+pub struct SceneRow {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it shows and what it switches on.
+    pub about: &'static str,
+    /// Makes it.
+    pub make: fn() -> Scene,
+}
+
+/// Every scene that ships.
+pub const INDEX: &[SceneRow] = &[cauldron::ROW, empty::ROW, taylor_green::ROW];
+
+/// A scene: plain data, in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Name.
+    pub name: String,
+    /// One line for people.
+    pub about: String,
+    /// The box of cells.
+    pub grid: Grid,
+    /// What holds the liquid.
+    pub vessel: Vessel,
+    /// The liquid, if there is any.
+    pub liquid: Option<Liquid>,
+    /// What can be poured in.
+    pub substances: Vec<Substance>,
+    /// The surface, if there is one.
+    pub surface: Option<SurfaceParams>,
+    /// How the liquid moves at first.
+    pub start: Start,
+    /// What the hand holds.
+    pub probe: Probe,
+    /// How it is felt.
+    pub feel: Feel,
+    /// Length of a step; a field is sent after each.
+    pub step_s: f32,
+    /// What the hand does.
+    pub story: Story,
+}
+
+impl Scene {
+    /// Cuts the same box into `n` cells along its longest edge, and as many along the others as
+    /// keep them cubes.
+    pub fn regrid(&mut self, n: usize) {
+        let longest = self.grid.cells.into_iter().max().unwrap_or(1);
+        let cells = |cells: usize| ((cells * n + longest / 2) / longest).max(1);
+        self.grid.spacing_m *= longest as f32 / n as f32;
+        self.grid.cells = self.grid.cells.map(cells);
+    }
+}
+
+/// A liquid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Liquid {
+    /// Density.
+    pub density_kg_m3: f32,
+    /// Kinematic viscosity.
+    pub viscosity_m2_s: f32,
+    /// What happens at the vessel's wall.
+    pub walls: Walls,
+    /// Linear RGB, 0 to 1.
+    pub colour: Vec3,
+}
+
+/// Something that can be poured in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Substance {
+    /// Name.
+    pub name: String,
+    /// Linear RGB, 0 to 1.
+    pub colour: Vec3,
+    /// Molecular diffusivity.
+    pub diffusivity_m2_s: f32,
+    /// Where it is poured, in world metres.
+    pub pour_at_m: Vec3,
+    /// How wide the jet is.
+    pub pour_radius_m: f32,
+    /// Volume fraction that a second of pouring adds in the jet's middle.
+    pub pour_per_s: f32,
+}
+
+/// How the liquid moves at first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// Not at all.
+    Rest,
+    /// As the vortex of Taylor & Green (1937) that fits into the box, with this largest speed in
+    /// m/s.
+    TaylorGreen(f32),
+}
+
+/// What the hand holds in the medium: a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    /// Its radius in world metres.
+    pub radius_m: f32,
+}
+
+/// How the pot is felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Feel {
+    /// Felt newtons for a physical one. It multiplies the hand's force and nothing else: the
+    /// books of the fluid are in physical units.
+    pub felt_scale: f32,
+    /// Where the hand's space lies in the world.
+    pub world_from_device: WorldFromDevice,
+    /// Which force modes act.
+    pub modes: Modes,
+    /// Stiffness of the vessel, at the hand.
+    pub wall_stiffness_n_per_m: f32,
+    /// Damping of the vessel, at the hand.
+    pub wall_damping_n_s_per_m: f32,
+}
+
+/// What the hand does, in world metres; afterwards it stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Story {
+    /// Where it begins.
+    pub start_m: Vec3,
+    /// One thing after the other.
+    pub acts: Vec<Act>,
+    /// What is poured when: button i pours substance i.
+    pub pours: Vec<Pour>,
+}
+
+/// One thing a hand does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Act {
+    /// Goes there in a straight line.
+    Reach {
+        /// World metres.
+        to_m: Vec3,
+        /// Duration.
+        seconds: f32,
+    },
+    /// Stays.
+    Rest {
+        /// Duration.
+        seconds: f32,
+    },
+    /// Draws circles as a person drew them.
+    Stir {
+        /// Middle of the circles in world metres.
+        centre_m: Vec3,
+        /// Their mean radius.
+        radius_m: f32,
+        /// Duration.
+        seconds: f32,
+    },
+}
+
+impl Act {
+    /// How long it takes.
+    #[must_use]
+    pub fn seconds(&self) -> f32 {
+        match *self {
+            Self::Reach { seconds, .. } | Self::Rest { seconds } | Self::Stir { seconds, .. } => {
+                seconds
+            }
+        }
+    }
+}
+
+/// A substance poured from one moment to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pour {
+    /// Which, by its place in the scene.
+    pub substance: usize,
+    /// When the pouring begins.
+    pub from_s: f32,
+    /// When it ends.
+    pub to_s: f32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scene_that_ships_passes_its_own_checks() {
+        for row in INDEX {
+            let scene = (row.make)();
+            assert_eq!(scene.name, row.name);
+            assert_eq!(scene.check(), Ok(()), "{}", row.name);
+        }
+    }
+
+    #[test]
+    fn a_finer_grid_is_the_same_box() {
+        let coarse = (INDEX[0].make)();
+        let mut fine = coarse.clone();
+        fine.regrid(48);
+        assert_eq!(fine.grid.cells, [48; 3]);
+        assert!((fine.grid.extent_m() - coarse.grid.extent_m()).length() < 1e-6);
+        assert_eq!(fine.check(), Ok(()));
+    }
+
+    #[test]
+    fn names_differ() {
+        for (i, a) in INDEX.iter().enumerate() {
+            assert!(INDEX.iter().skip(i + 1).all(|b| a.name != b.name));
+        }
+    }
+}

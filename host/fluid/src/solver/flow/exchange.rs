@@ -1,0 +1,97 @@
+//! Momentum between a small body and the flow.
+//!
+//! What the body gives to the flow is spread over the open faces around it, and what it feels
+//! of the flow is gathered from them, with one and the same weights, which sum to 1 for each
+//! component whatever walls cut off. So nothing is lost at a wall, and the power that the body
+//! spends is the power that the flow gets.
+//! ```text
+//! w_f = (1 - r^2/R^2)^2 / sum,   R = max(radius, 2 h)
+//! u_f += J w_f / (rho h^3),   gathered u = sum w_f u_f
+//! ```
+
+use glam::{DVec3, Vec3};
+
+use crate::solver::flow::{faces::Faces, field::Layout, trace::face_in_cells};
+
+/// Narrower than this many cells a kernel would fall between the faces.
+const MIN_RADIUS_CELLS: f32 = 2.0;
+
+/// The spreading kernel of a body; all lengths in cells from the grid's corner.
+pub struct Kernel<'a> {
+    layout: &'a Layout,
+    faces: &'a Faces,
+    centre: Vec3,
+    radius: f32,
+}
+
+impl<'a> Kernel<'a> {
+    /// The kernel of a body of `radius` cells at `centre`.
+    pub fn new(layout: &'a Layout, faces: &'a Faces, centre: Vec3, radius: f32) -> Self {
+        // The whole grid is as wide as a kernel ever needs to be.
+        let widest = layout.cells.iter().sum::<usize>() as f32;
+        let radius = radius.max(MIN_RADIUS_CELLS).min(widest.max(MIN_RADIUS_CELLS));
+        Self { layout, faces, centre, radius }
+    }
+
+    /// Calls `visit(index, weight)` for the open faces of component `c`; weights sum to 1.
+    /// Nothing is visited if no open face is within reach.
+    fn visit(&self, c: usize, mut visit: impl FnMut(usize, f64)) {
+        let mut sum = 0.0;
+        self.visit_raw(c, |_, weight| sum += weight);
+        if sum > 0.0 {
+            self.visit_raw(c, |at, weight| visit(at, weight / sum));
+        }
+    }
+
+    fn visit_raw(&self, c: usize, mut visit: impl FnMut(usize, f64)) {
+        let range = |d: usize| {
+            let [low, high] = [-1.0, 1.0].map(|side| self.centre[d] + side * self.radius);
+            let last = self.layout.cells[d];
+            (low.floor().max(0.0) as usize).min(last)..((high.ceil() + 1.0) as usize).min(last)
+        };
+        for k in range(2) {
+            for j in range(1) {
+                for i in range(0) {
+                    let at = self.layout.index(i, j, k);
+                    let from_centre = face_in_cells(c, i, j, k) - self.centre;
+                    let inside = 1.0 - from_centre.length_squared() / (self.radius * self.radius);
+                    if inside > 0.0 && self.faces.open[c][at] > 0.0 {
+                        visit(at, f64::from(inside) * f64::from(inside));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds `impulse` to the velocity, in units of cell mass times velocity, and returns the
+    /// change that the rounded velocities made of it. No speed is raised above `limit`.
+    pub fn push(&self, velocity: [&mut [f32]; 3], impulse: DVec3, limit: f32) -> DVec3 {
+        let mut change = DVec3::ZERO;
+        for (c, u) in velocity.into_iter().enumerate() {
+            self.visit(c, |at, weight| {
+                let before = u[at];
+                let after = (f64::from(before) + impulse[c] * weight) as f32;
+                u[at] = after.clamp(-limit, limit);
+                change[c] += f64::from(u[at]) - f64::from(before);
+            });
+        }
+        change
+    }
+
+    /// The weighted mean of the velocity.
+    pub fn gather(&self, velocity: [&[f32]; 3]) -> Vec3 {
+        let mut mean = DVec3::ZERO;
+        for (c, u) in velocity.into_iter().enumerate() {
+            self.visit(c, |at, weight| mean[c] += weight * f64::from(u[at]));
+        }
+        mean.as_vec3()
+    }
+
+    /// The mass that an impulse moves before the pressure spreads it, in cells, as a mean over
+    /// the components: 1 / sum w^2. Infinite out of reach of the liquid.
+    pub fn mass_in_cells(&self) -> f64 {
+        let mut squares = 0.0;
+        (0..3).for_each(|c| self.visit(c, |_, weight| squares += weight * weight / 3.0));
+        1.0 / squares
+    }
+}

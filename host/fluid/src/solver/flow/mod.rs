@@ -1,0 +1,322 @@
+//! Our flow solver: a staggered grid in a box or a pot, f32 throughout, deterministic for any
+//! number of threads and any vector width, allocation-free after construction.
+//!
+//! It chooses scheme and number of sub-steps from the step it is given (see [`schedule`]), so
+//! that it is accurate where that is cheap and stable always.
+
+pub(crate) mod engine;
+mod exchange;
+pub(crate) mod faces;
+pub(crate) mod field;
+mod momentum;
+mod poisson;
+mod pressure;
+mod schedule;
+mod step;
+mod survey;
+mod trace;
+mod transform;
+mod viscous;
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use self::{
+    engine::Engine,
+    exchange::Kernel,
+    faces::{Faces, cells},
+    field::{Field, Layout, Vector, components},
+    pressure::{Prediction, Projection},
+    survey::{Survey, survey},
+};
+use crate::{
+    grid::Grid,
+    mask::Mask,
+    pool::Pool,
+    simd::SimdClass,
+    solver::{Refused, Setup, Solver, StepReport, VectorField, VisitVelocity, within},
+};
+
+/// No velocity is accepted or kept above this.
+const MAX_SPEED_M_S: f32 = 1e4;
+
+/// No acceleration is accepted above this.
+const MAX_ACCELERATION_M_S2: f64 = 1e6;
+
+/// Incompressible flow in a vessel.
+pub struct Flow {
+    grid: Grid,
+    layout: Layout,
+    faces: Faces,
+    density_kg_m3: f64,
+    viscosity_m2_s: f64,
+    pool: Arc<Pool>,
+    simd: SimdClass,
+    velocity: Vector,
+    /// Two stages of a step, and work space of the viscous solve.
+    stage: [Vector; 3],
+    pressure: Prediction,
+    /// Length of the part of a step that left it; 0 if it predicts nothing.
+    pressure_dt_s: f64,
+    projection: Projection,
+    force: Option<Force>,
+    force_scale: [f64; 2],
+    /// What is known of `velocity`; `None` once it was changed from outside.
+    survey: Option<Survey>,
+    /// Off only to prove that skipping changes no bits.
+    may_sleep: bool,
+}
+
+/// An acceleration on open faces.
+struct Force {
+    acceleration_m_s2: Vector,
+    largest_m_s2: f64,
+}
+
+impl Flow {
+    /// Liquid at rest. Density and viscosity are taken as they are in the setup, negative or
+    /// non-finite ones as 0.
+    #[must_use]
+    pub fn new(setup: &Setup) -> Self {
+        let layout = Layout::new(setup.grid.cells);
+        let faces = Faces::new(&layout, &Mask::new(&setup.grid, &setup.vessel), setup.walls);
+        let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
+        Self {
+            grid: setup.grid,
+            density_kg_m3: f64::from(setup.density_kg_m3).max(0.0),
+            viscosity_m2_s: f64::from(setup.viscosity_m2_s).max(0.0),
+            pool: Arc::clone(&setup.pool),
+            simd: setup.simd,
+            velocity: vector(),
+            stage: [vector(), vector(), vector()],
+            pressure: Prediction { next: layout.zeros(), trend: layout.zeros() },
+            pressure_dt_s: 0.0,
+            projection: Projection::new(&layout, &faces),
+            force: None,
+            force_scale: [1.0; 2],
+            survey: None,
+            may_sleep: true,
+            layout,
+            faces,
+        }
+    }
+
+    /// The grid that the flow is computed on.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Number of liquid cells.
+    #[must_use]
+    pub fn liquid_cells(&self) -> usize {
+        self.faces.liquid_cells
+    }
+
+    /// Mass of the liquid in one cell.
+    #[must_use]
+    pub fn cell_mass_kg(&self) -> f64 {
+        self.density_kg_m3 * f64::from(self.grid.cell_volume_m3())
+    }
+
+    /// Changes the kinematic viscosity from the next step on.
+    ///
+    /// # Errors
+    /// [`Refused`] if it is negative, not finite or above 10^6 m^2/s; it is unchanged then.
+    pub fn set_viscosity_m2_s(&mut self, viscosity_m2_s: f32) -> Result<(), Refused> {
+        let value = f64::from(viscosity_m2_s);
+        if value < 0.0 {
+            return Err(Refused { what: "viscosity_m2_s", value });
+        }
+        self.viscosity_m2_s = within("viscosity_m2_s", value, 1e6)?;
+        Ok(())
+    }
+
+    /// Gives the liquid `impulse_n_s` around a point, spread over the faces within `radius_m`
+    /// (at least two cells) by the kernel of [`Flow::gather`]. Returns the change of
+    /// [`Flow::momentum_n_s`] that rounding made of it, for the caller to carry the rest; it is
+    /// zero where no liquid is in reach. The divergence that this causes goes in the next step.
+    ///
+    /// # Errors
+    /// [`Refused`] if an argument is not finite, or the radius negative; nothing is changed.
+    pub fn push(
+        &mut self,
+        centre_in_world_m: Vec3,
+        radius_m: f32,
+        impulse_n_s: DVec3,
+    ) -> Result<DVec3, Refused> {
+        let worst = impulse_n_s.abs().max_element();
+        within("impulse_n_s", if impulse_n_s.is_nan() { f64::NAN } else { worst }, f64::MAX)?;
+        let centre = self.in_cells(centre_in_world_m);
+        within("centre_in_world_m", f64::from(centre.dot(Vec3::ONE)), f64::MAX)?;
+        within("radius_m", f64::from(radius_m), f64::MAX)?;
+        let mass_kg = self.cell_mass_kg();
+        if mass_kg <= 0.0 || impulse_n_s == DVec3::ZERO {
+            return Ok(DVec3::ZERO);
+        }
+        let radius = radius_m / self.grid.spacing_m;
+        let kernel = Kernel::new(&self.layout, &self.faces, centre, radius);
+        let velocity = self.velocity.each_mut().map(|u| &mut **u);
+        let change = kernel.push(velocity, impulse_n_s / mass_kg, MAX_SPEED_M_S);
+        self.survey = None;
+        Ok(change * mass_kg)
+    }
+
+    /// Mean velocity of the liquid around a point, weighted as [`Flow::push`] spreads; zero
+    /// where no liquid is in reach.
+    #[must_use]
+    pub fn gather(&self, centre_in_world_m: Vec3, radius_m: f32) -> Vec3 {
+        self.kernel(centre_in_world_m, radius_m).gather(components(&self.velocity))
+    }
+
+    /// The mass that an impulse at a point moves at once, before the pressure has spread it:
+    /// rho h^3 / sum of squared weights. Infinite where no liquid is in reach.
+    #[must_use]
+    pub fn effective_mass_kg(&self, centre_in_world_m: Vec3, radius_m: f32) -> f64 {
+        self.cell_mass_kg() * self.kernel(centre_in_world_m, radius_m).mass_in_cells()
+    }
+
+    /// Momentum of the liquid: the sum of rho u h^3 over open faces, in f64.
+    #[must_use]
+    pub fn momentum_n_s(&self) -> DVec3 {
+        let total = |u: &Field| u.iter().fold(0.0, |sum, u| sum + f64::from(*u));
+        DVec3::from_array(self.velocity.each_ref().map(total)) * self.cell_mass_kg()
+    }
+
+    /// Puts the liquid to rest.
+    pub fn calm(&mut self) {
+        self.velocity.iter_mut().for_each(|u| u.fill(0.0));
+        self.pressure_dt_s = 0.0;
+        self.survey = None;
+    }
+
+    /// The velocities on faces and their layout, for what is carried with the flow.
+    pub(crate) fn face_velocities(&self) -> (&Layout, [&[f32]; 3]) {
+        (&self.layout, components(&self.velocity))
+    }
+
+    /// A point in cells from the grid's corner.
+    fn in_cells(&self, point_in_world_m: Vec3) -> Vec3 {
+        (point_in_world_m - self.grid.origin_in_world_m) / self.grid.spacing_m
+    }
+
+    fn kernel(&self, centre_in_world_m: Vec3, radius_m: f32) -> Kernel<'_> {
+        let radius = radius_m / self.grid.spacing_m;
+        Kernel::new(&self.layout, &self.faces, self.in_cells(centre_in_world_m), radius)
+    }
+
+    /// Where the flow is computed, for what is carried with it.
+    pub(crate) fn engine(&self) -> Engine<'_> {
+        Engine { pool: &self.pool, simd: self.simd, faces: &self.faces }
+    }
+
+    fn surveyed(&self) -> Survey {
+        self.survey.unwrap_or_else(|| {
+            let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+            survey(self.engine(), &self.layout, components(&self.velocity), force)
+        })
+    }
+
+    /// Position of face `c` of cell (i, j, k) in world metres.
+    fn face_in_world_m(&self, c: usize, [i, j, k]: [usize; 3]) -> DVec3 {
+        let mut cells = DVec3::new(i as f64, j as f64, k as f64) + 0.5;
+        cells[c] -= 0.5;
+        self.grid.origin_in_world_m.as_dvec3() + f64::from(self.grid.spacing_m) * cells
+    }
+
+    /// Calls `visit(component, index, position)` for every open face.
+    fn visit_open(&self, mut visit: impl FnMut(usize, usize, DVec3)) {
+        for (i, j, k) in cells(self.layout.cells) {
+            let at = self.layout.index(i, j, k);
+            for c in (0..3).filter(|c| self.faces.open[*c][at] > 0.0) {
+                visit(c, at, self.face_in_world_m(c, [i, j, k]));
+            }
+        }
+    }
+
+    /// Samples `field` on the open faces into `out`; returns the largest magnitude.
+    fn sample(
+        &self,
+        what: &'static str,
+        field: &VectorField<'_>,
+        limit: f64,
+        out: &mut Vector,
+    ) -> Result<f64, Refused> {
+        let mut largest = Ok(0.0f64);
+        out.iter_mut().for_each(|out| out.fill(0.0));
+        self.visit_open(|c, at, point| {
+            let value = field(point)[c];
+            out[c][at] = value as f32;
+            largest = largest
+                .and_then(|so_far| within(what, value, limit).map(|value| so_far.max(value.abs())));
+        });
+        largest
+    }
+}
+
+impl Solver for Flow {
+    fn set_velocity(&mut self, velocity_m_s: &VectorField<'_>) -> Result<(), Refused> {
+        let mut sampled = [self.layout.zeros(), self.layout.zeros(), self.layout.zeros()];
+        let limit = f64::from(MAX_SPEED_M_S);
+        self.sample("velocity_m_s", velocity_m_s, limit, &mut sampled)?;
+        self.velocity = sampled;
+        self.pressure_dt_s = 0.0;
+        self.survey = None;
+        Ok(())
+    }
+
+    fn set_force(&mut self, acceleration_m_s2: &VectorField<'_>) -> Result<(), Refused> {
+        let mut sampled = [self.layout.zeros(), self.layout.zeros(), self.layout.zeros()];
+        let name = "acceleration_m_s2";
+        let largest_m_s2 =
+            self.sample(name, acceleration_m_s2, MAX_ACCELERATION_M_S2, &mut sampled)?;
+        self.force = Some(Force { acceleration_m_s2: sampled, largest_m_s2 });
+        self.survey = None;
+        Ok(())
+    }
+
+    fn scale_force(&mut self, start: f64, end: f64) -> Result<(), Refused> {
+        self.force_scale = [within("force scale", start, 1e3)?, within("force scale", end, 1e3)?];
+        Ok(())
+    }
+
+    fn step(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
+        self.advance(dt_s)
+    }
+
+    fn project(&mut self) {
+        let on = Engine { pool: &self.pool, simd: self.simd, faces: &self.faces };
+        self.projection.project(on, &mut self.velocity, &mut self.pressure, 0.0);
+        self.survey = None;
+    }
+
+    fn visit(&self, visit: &mut VisitVelocity<'_>) {
+        self.visit_open(|c, at, point| visit(point, c, f64::from(self.velocity[c][at])));
+    }
+
+    fn divergence_l2_per_s(&self) -> f64 {
+        let [x, y, z] = components(&self.velocity);
+        let [sx, sy, sz] = self.layout.strides();
+        let squares: f64 = cells(self.layout.cells)
+            .map(|(i, j, k)| self.layout.index(i, j, k))
+            .filter(|at| self.faces.liquid[*at] > 0.0)
+            .map(|at| x[at + sx] - x[at] + y[at + sy] - y[at] + z[at + sz] - z[at])
+            .map(|sum| f64::from(sum) * f64::from(sum))
+            .sum();
+        (squares / self.faces.liquid_cells.max(1) as f64).sqrt() / f64::from(self.grid.spacing_m)
+    }
+
+    fn divergence_max_per_s(&self) -> f64 {
+        self.surveyed().outflow_m_s / f64::from(self.grid.spacing_m)
+    }
+
+    fn velocity_at(&self, point_in_world_m: Vec3) -> Vec3 {
+        let velocity = components(&self.velocity);
+        trace::velocity_at(&self.layout, velocity, self.in_cells(point_in_world_m))
+    }
+
+    fn kinetic_energy_j(&self) -> f64 {
+        self.surveyed().energy_m2_s2 * self.cell_mass_kg()
+    }
+}

@@ -1,0 +1,252 @@
+//! One step of [`Flow`].
+
+use crate::solver::{
+    Refused, Scheme, StepReport,
+    flow::{
+        Flow, MAX_SPEED_M_S,
+        engine::Engine,
+        field::{Vector, components},
+        momentum::{Stage, Weights},
+        schedule::{Plan, plan},
+        survey::Survey,
+        trace, viscous, within,
+    },
+};
+
+/// The longest step that is accepted.
+const MAX_STEP_S: f64 = 1e3;
+
+/// Energy that the guard lets pass beyond what was there and what forces did, as a part of it:
+/// the error of the work integral and of f32 sums.
+const GUARD_SLACK: f64 = 1e-3;
+
+/// Ratios of the lengths of two parts between which the pressure of one predicts the other's.
+const PREDICTABLE: std::ops::RangeInclusive<f64> = 0.3..=3.0;
+
+/// Third-order strong-stability-preserving Runge-Kutta (Shu, Osher 1988): share of the start,
+/// share of the advanced stage, and when in the step the force of the stage is taken.
+const STAGES: [(f32, f32, f64); 3] =
+    [(0.0, 1.0, 0.0), (3.0 / 4.0, 1.0 / 4.0, 1.0), (1.0 / 3.0, 2.0 / 3.0, 0.5)];
+
+/// One part of a step.
+#[derive(Clone, Copy)]
+struct Part {
+    dt_s: f64,
+    /// Scale of the force at its start and end.
+    force_scale: [f64; 2],
+}
+
+impl Part {
+    fn scale_at(&self, share: f64) -> f64 {
+        self.force_scale[0] + share * (self.force_scale[1] - self.force_scale[0])
+    }
+}
+
+impl Flow {
+    /// See [`crate::solver::Solver::step`].
+    pub(super) fn advance(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
+        within("dt_s", if dt_s < 0.0 { f64::NAN } else { dt_s }, MAX_STEP_S)
+            .map_err(|refused| Refused { value: dt_s, ..refused })?;
+        let before = self.surveyed();
+        if dt_s == 0.0 || (self.may_sleep && before.speed_m_s == 0.0 && !self.is_forced()) {
+            self.survey = Some(before);
+            return Ok(self.report_of_rest(before));
+        }
+        let plan = self.plan(dt_s, before);
+        let mut report =
+            StepReport { substeps: plan.parts, scheme: plan.scheme, ..StepReport::at_rest() };
+        for index in 0..plan.parts {
+            self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+        }
+        let after = self.guard(before, dt_s, &mut report);
+        self.settle(after);
+        report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
+        report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
+        report.divergence_max_per_s = after.outflow_m_s / f64::from(self.grid.spacing_m);
+        Ok(report)
+    }
+
+    fn advance_part(&mut self, part: Part, scheme: Scheme, report: &mut StepReport) {
+        if scheme != Scheme::Traced {
+            self.prepare_pressure(part, scheme);
+        }
+        match scheme {
+            Scheme::Traced => self.carry(part, report),
+            _ => self.run_stages(part, scheme == Scheme::Central),
+        }
+        if scheme != Scheme::Central {
+            report.viscous_iterations += self.diffuse(part.dt_s);
+        }
+        report.pressure_iterations += self.project_with_rate(1.0 / part.dt_s);
+    }
+
+    fn plan(&self, dt_s: f64, before: Survey) -> Plan {
+        let spacing_m = f64::from(self.grid.spacing_m);
+        let scale = self.force_scale[0].abs().max(self.force_scale[1].abs());
+        let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale);
+        let cfl = (before.speed_m_s + pull * dt_s) * dt_s / spacing_m;
+        plan(cfl, 12.0 * self.diffusion_number(dt_s))
+    }
+
+    fn part(&self, dt_s: f64, plan: Plan, index: u32) -> Part {
+        let whole = Part { dt_s, force_scale: self.force_scale };
+        let parts = f64::from(plan.parts);
+        let ends = [index, index + 1].map(|end| whole.scale_at(f64::from(end) / parts));
+        Part { dt_s: dt_s / parts, force_scale: ends }
+    }
+
+    fn is_forced(&self) -> bool {
+        self.force.as_ref().is_some_and(|force| force.largest_m_s2 > 0.0)
+            && self.force_scale != [0.0; 2]
+    }
+
+    fn diffusion_number(&self, dt_s: f64) -> f64 {
+        self.viscosity_m2_s * dt_s / f64::from(self.grid.spacing_m).powi(2)
+    }
+
+    /// The pressure of the last part predicts that of this one, unless it was that of a much
+    /// shorter or longer one: a push counts there as an acceleration over the part's length.
+    /// Without a prediction the part is rehearsed, and what it found of the pressure is kept.
+    fn prepare_pressure(&mut self, part: Part, scheme: Scheme) {
+        let ratio = part.dt_s / std::mem::replace(&mut self.pressure_dt_s, part.dt_s);
+        if PREDICTABLE.contains(&ratio) {
+            return;
+        }
+        self.forget_pressure();
+        let [.., kept] = &mut self.stage;
+        for (kept, u) in kept.iter_mut().zip(&self.velocity) {
+            kept.copy_from_slice(u);
+        }
+        self.run_stages(part, scheme == Scheme::Central);
+        self.project_with_rate(1.0 / part.dt_s);
+        std::mem::swap(&mut self.velocity, &mut self.stage[2]);
+        self.pressure.next.iter_mut().zip(self.pressure.trend.iter()).for_each(|(p, t)| *p -= t);
+        self.pressure.trend.fill(0.0);
+    }
+
+    fn forget_pressure(&mut self) {
+        self.pressure.next.fill(0.0);
+        self.pressure.trend.fill(0.0);
+    }
+
+    fn run_stages(&mut self, part: Part, with_viscosity: bool) {
+        let Self { layout, faces, velocity, stage, pressure, pool, simd, force, .. } = self;
+        let [first, second, _] = stage;
+        let viscous = if with_viscosity {
+            self.viscosity_m2_s * part.dt_s / f64::from(self.grid.spacing_m).powi(2)
+        } else {
+            0.0
+        };
+        let force = force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let on = Engine { pool, simd: *simd, faces };
+        for (index, (start_share, own_share, at)) in STAGES.into_iter().enumerate() {
+            let weights = Weights {
+                start_share,
+                own_share,
+                dt_s: part.dt_s as f32,
+                advection_s_m: (part.dt_s / (4.0 * f64::from(self.grid.spacing_m))) as f32,
+                viscous: viscous as f32,
+                force_s: (part.dt_s * part.scale_at(at)) as f32,
+            };
+            let (from, to): (&Vector, &mut Vector) = match index {
+                0 => (velocity, &mut *first),
+                1 => (&*first, &mut *second),
+                _ => (&*second, &mut *first),
+            };
+            let stage = Stage {
+                layout: *layout,
+                faces,
+                start: components(velocity),
+                velocity: components(from),
+                pressure: &pressure.next,
+                force,
+                weights,
+            };
+            let outs = to.each_mut().map(|out| layout.planes(out));
+            on.pool.planes(outs, [layout.plane; 3], |k, out| {
+                on.run(
+                    layout,
+                    k,
+                    #[inline(always)]
+                    |run, _| stage.compute(run, out),
+                );
+            });
+        }
+        std::mem::swap(velocity, first);
+    }
+
+    /// The traced scheme: push, project, carry the velocity along itself.
+    fn carry(&mut self, part: Part, report: &mut StepReport) {
+        self.pressure_dt_s = 0.0;
+        let push_s = (part.dt_s * part.scale_at(0.5)) as f32;
+        if let Some(force) = &self.force {
+            for (u, f) in self.velocity.iter_mut().zip(&force.acceleration_m_s2) {
+                let pairs = u.iter_mut().zip(f.iter());
+                pairs
+                    .for_each(|(u, f)| *u = (*u + push_s * f).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S));
+            }
+        }
+        report.pressure_iterations += self.project_with_rate(0.0);
+        let Self { layout, faces, velocity, stage: [once, out, _], pool, simd, .. } = self;
+        let on = Engine { pool, simd: *simd, faces };
+        let cells_per_m_s = (part.dt_s / f64::from(self.grid.spacing_m)) as f32;
+        trace::advect(on, layout, velocity, once, out, cells_per_m_s);
+        std::mem::swap(velocity, out);
+    }
+
+    fn diffuse(&mut self, dt_s: f64) -> u32 {
+        let number = self.diffusion_number(dt_s) as f32;
+        if number == 0.0 {
+            return 0;
+        }
+        let Self { layout, faces, velocity, stage, pool, simd, .. } = self;
+        let [residual, direction, product] = stage;
+        let on = Engine { pool, simd: *simd, faces };
+        viscous::solve(on, layout, velocity, viscous::Work { residual, direction, product }, number)
+    }
+
+    fn project_with_rate(&mut self, rate_per_s: f64) -> u32 {
+        let Self { faces, velocity, pressure, pool, simd, projection, .. } = self;
+        let on = Engine { pool, simd: *simd, faces };
+        projection.project(on, velocity, pressure, rate_per_s as f32)
+    }
+
+    /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
+    fn guard(&mut self, before: Survey, dt_s: f64, report: &mut StepReport) -> Survey {
+        self.survey = None;
+        let after = self.surveyed();
+        let [start, end] = self.force_scale;
+        let work = 0.5 * dt_s * (start * before.power_m2_s3 + end * after.power_m2_s3);
+        let allowed = (before.energy_m2_s2 + work.max(0.0)) * (1.0 + GUARD_SLACK);
+        let scale_for_energy =
+            if after.energy_m2_s2 > allowed { (allowed / after.energy_m2_s2).sqrt() } else { 1.0 };
+        let scale = scale_for_energy.min(f64::from(MAX_SPEED_M_S) / after.speed_m_s.max(1e-9));
+        if scale >= 1.0 {
+            return after;
+        }
+        report.guard_actions += 1;
+        self.pressure_dt_s = 0.0;
+        for u in self.velocity.iter_mut().flat_map(|u| u.iter_mut()) {
+            *u *= scale as f32;
+        }
+        self.surveyed()
+    }
+
+    /// Liquid that has come to rest keeps no pressure: a step from here computes zeros.
+    fn settle(&mut self, after: Survey) {
+        if after.speed_m_s == 0.0 {
+            self.forget_pressure();
+            self.pressure_dt_s = 0.0;
+        }
+        self.survey = Some(after);
+    }
+
+    fn report_of_rest(&self, survey: Survey) -> StepReport {
+        StepReport {
+            asleep: survey.speed_m_s == 0.0 && !self.is_forced(),
+            kinetic_energy_j: survey.energy_m2_s2 * self.cell_mass_kg(),
+            divergence_max_per_s: survey.outflow_m_s / f64::from(self.grid.spacing_m),
+            ..StepReport::at_rest()
+        }
+    }
+}
