@@ -92,6 +92,12 @@ impl World {
         Ok(state)
     }
 
+    /// One tick of the device while the host does nothing at all.
+    pub fn tick_device(&mut self) -> State {
+        self.now_us += 1000;
+        self.device.tick()
+    }
+
     /// Virtual time since the start.
     #[must_use]
     pub fn now_s(&self) -> f64 {

@@ -78,15 +78,7 @@ impl Shares {
 #[must_use]
 pub fn kind(pixel: [u8; 3]) -> Kind {
     let Hsv { hue_deg, saturation, value } = Hsv::of(pixel);
-    // Nothing poured is both so bright and so pale; yellow pales further in clear liquid.
-    let is_handle =
-        (value > 0.74 && (58.0..105.0).contains(&hue_deg) && (0.18..0.50).contains(&saturation))
-            || value > 0.94
-                && match hue_deg {
-                    0.0..75.0 | 338.0..=360.0 => (0.35..0.70).contains(&saturation),
-                    75.0..172.0 => (0.25..0.62).contains(&saturation),
-                    _ => false,
-                };
+    let is_handle = is_handle(hue_deg, saturation, value);
     match hue_deg {
         _ if is_handle => Kind::Handle,
         _ if saturation < 0.18 || value < 0.14 => Kind::Background,
@@ -96,6 +88,19 @@ pub fn kind(pixel: [u8; 3]) -> Kind {
         170.0..262.0 => Kind::Clear,
         _ => Kind::Background,
     }
+}
+
+/// Nothing poured is both so bright and so pale as the handle. Seen through liquid it is less
+/// bright, but paler still.
+fn is_handle(hue_deg: f32, saturation: f32, value: f32) -> bool {
+    let (pale, least_value) = match hue_deg {
+        172.0..338.0 => return false,
+        _ if value > 0.94 => (0.25..0.70, 0.94),
+        0.0..25.0 | 338.0..=360.0 => (0.28..0.54, 0.66),
+        58.0..105.0 => (0.18..0.50, 0.74),
+        _ => return false,
+    };
+    pale.contains(&saturation) && value > least_value
 }
 
 struct Hsv {

@@ -88,6 +88,8 @@ fn the_handle_under_clear_liquid_is_no_pigment_and_under_potion_it_is_hidden() {
         let shares = shares(&clear(), Some(handle(SUNK, force)));
         assert!(shares.red + shares.green + shares.blend < 0.004, "{force}: {shares:?}");
     }
+    let shares = shares(&blended(0.05), Some(handle(SUNK, 0.9)));
+    assert!(shares.red < 0.001 && shares.handle > 0.002, "{shares:?}");
     let [seen, hidden] = [clear(), blended(0.4)]
         .map(|snapshot| picture(&snapshot, Some(handle(SUNK, 0.0))).count(Layer::Handle));
     assert!(seen > 2 * hidden && hidden > 0, "{seen} {hidden}");

@@ -64,6 +64,8 @@ pub struct Flow {
     force_scale: [f64; 2],
     /// What is known of `velocity`; `None` once it was changed from outside.
     survey: Option<Survey>,
+    /// Energy that the scheme has made from nothing so far, per density and cell volume.
+    excess_m2_s2: f64,
     /// Off only to prove that skipping changes no bits.
     may_sleep: bool,
 }
@@ -90,12 +92,13 @@ impl Flow {
             simd: setup.simd,
             velocity: vector(),
             stage: [vector(), vector(), vector()],
-            pressure: Prediction { next: layout.zeros(), trend: layout.zeros() },
+            pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
             projection: Projection::new(&layout, &faces),
             force: None,
             force_scale: [1.0; 2],
             survey: None,
+            excess_m2_s2: 0.0,
             may_sleep: true,
             layout,
             faces,
@@ -261,6 +264,7 @@ impl Solver for Flow {
         let limit = f64::from(MAX_SPEED_M_S);
         self.sample("velocity_m_s", velocity_m_s, limit, &mut sampled)?;
         self.velocity = sampled;
+        self.excess_m2_s2 = 0.0;
         self.pressure_dt_s = 0.0;
         self.survey = None;
         Ok(())

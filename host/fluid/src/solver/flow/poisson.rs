@@ -205,7 +205,9 @@ mod tests {
     #[test]
     fn the_residual_is_rounding_for_any_shape_of_box() {
         let pool = Pool::new(2, false);
-        for size in [[16, 16, 16], [2, 2, 2], [1, 8, 8], [8, 1, 1], [5, 9, 1], [3, 1, 5], [31, 12, 20]] {
+        for size in
+            [[16, 16, 16], [2, 2, 2], [1, 8, 8], [8, 1, 1], [5, 9, 1], [3, 1, 5], [31, 12, 20]]
+        {
             let layout = Layout::new(size);
             let (mut rhs, mut psi) = (layout.zeros(), layout.zeros());
             let mut mean = 0.0;

@@ -35,6 +35,8 @@ pub struct Prediction {
     pub next: Field,
     /// How much it grew from step to step.
     pub trend: Field,
+    /// Share of the trend that is extrapolated.
+    pub share: f32,
 }
 
 /// Solves for the pressure on one grid.
@@ -144,7 +146,8 @@ impl Projection {
     ) {
         let (layout, psi) = (self.layout, &*self.psi);
         let [x, y, z] = velocity.each_mut().map(|field| layout.planes(field));
-        let Prediction { next, trend } = pressure;
+        let Prediction { next, trend, share } = pressure;
+        let share = *share;
         let outs = [x, y, z, layout.planes(next), layout.planes(trend)];
         on.pool.planes(outs, [layout.plane; 5], |k, [x, y, z, next, trend]| {
             on.run(
@@ -158,7 +161,7 @@ impl Projection {
                     correct_row(cut_mut(x, to, len), cut(open_x, at, len), psi.here, psi.x.0);
                     correct_row(cut_mut(y, to, len), cut(open_y, at, len), psi.here, psi.y.0);
                     correct_row(cut_mut(z, to, len), cut(open_z, at, len), psi.here, psi.z.0);
-                    predict(cut_mut(next, to, len), cut_mut(trend, to, len), rate, psi.here);
+                    predict(cut_mut(next, to, len), cut_mut(trend, to, len), rate, share, psi.here);
                 },
             );
         });
@@ -174,11 +177,11 @@ fn correct_row(u: &mut [f32], open: &[f32], above: &[f32], below: &[f32]) {
 }
 
 #[inline(always)]
-fn predict(next: &mut [f32], trend: &mut [f32], rate: f32, psi: &[f32]) {
+fn predict(next: &mut [f32], trend: &mut [f32], rate: f32, share: f32, psi: &[f32]) {
     for i in 0..next.len() {
         let miss = rate * psi[i];
-        trend[i] += miss;
-        next[i] += miss + trend[i];
+        trend[i] = share * trend[i] + miss;
+        next[i] += miss + share * trend[i];
     }
 }
 

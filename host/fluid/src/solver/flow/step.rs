@@ -7,6 +7,7 @@ use crate::solver::{
         engine::Engine,
         field::{Vector, components},
         momentum::{Stage, Weights},
+        pressure::Prediction,
         schedule::{Plan, plan},
         survey::Survey,
         trace, viscous, within,
@@ -16,8 +17,8 @@ use crate::solver::{
 /// The longest step that is accepted.
 const MAX_STEP_S: f64 = 1e3;
 
-/// Energy that the guard lets pass beyond what was there and what forces did, as a part of it:
-/// the error of the work integral and of f32 sums.
+/// Energy that the guard lets gather beyond what was there and what forces did, as a part of
+/// it: the error of the work integral and of f32 sums.
 const GUARD_SLACK: f64 = 1e-3;
 
 /// Ratios of the lengths of two parts between which the pressure of one predicts the other's.
@@ -55,6 +56,7 @@ impl Flow {
         let plan = self.plan(dt_s, before);
         let mut report =
             StepReport { substeps: plan.parts, scheme: plan.scheme, ..StepReport::at_rest() };
+        self.pressure.share = plan.trend_share;
         for index in 0..plan.parts {
             self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
         }
@@ -120,7 +122,8 @@ impl Flow {
         self.run_stages(part, scheme == Scheme::Central);
         self.project_with_rate(1.0 / part.dt_s);
         std::mem::swap(&mut self.velocity, &mut self.stage[2]);
-        self.pressure.next.iter_mut().zip(self.pressure.trend.iter()).for_each(|(p, t)| *p -= t);
+        let Prediction { next, trend, share } = &mut self.pressure;
+        next.iter_mut().zip(trend.iter()).for_each(|(p, t)| *p -= *share * t);
         self.pressure.trend.fill(0.0);
     }
 
@@ -212,19 +215,26 @@ impl Flow {
     }
 
     /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
+    /// What it does exceed it by is added up until it is worth an action.
     fn guard(&mut self, before: Survey, dt_s: f64, report: &mut StepReport) -> Survey {
         self.survey = None;
         let after = self.surveyed();
         let [start, end] = self.force_scale;
         let work = 0.5 * dt_s * (start * before.power_m2_s3 + end * after.power_m2_s3);
-        let allowed = (before.energy_m2_s2 + work.max(0.0)) * (1.0 + GUARD_SLACK);
-        let scale_for_energy =
-            if after.energy_m2_s2 > allowed { (allowed / after.energy_m2_s2).sqrt() } else { 1.0 };
-        let scale = scale_for_energy.min(f64::from(MAX_SPEED_M_S) / after.speed_m_s.max(1e-9));
-        if scale >= 1.0 {
+        let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
+        self.excess_m2_s2 = (self.excess_m2_s2 + gain).max(0.0);
+        let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());
+        let excess = if is_tolerated { 0.0 } else { self.excess_m2_s2 };
+        let for_energy = ((after.energy_m2_s2 - excess)
+            / after.energy_m2_s2.max(f64::MIN_POSITIVE))
+        .clamp(0.0, 1.0)
+        .sqrt();
+        let scale = for_energy.min(f64::from(MAX_SPEED_M_S) / after.speed_m_s.max(1e-9));
+        if (is_tolerated && scale >= for_energy) || after.energy_m2_s2 == 0.0 {
             return after;
         }
         report.guard_actions += 1;
+        self.excess_m2_s2 = 0.0;
         self.pressure_dt_s = 0.0;
         for u in self.velocity.iter_mut().flat_map(|u| u.iter_mut()) {
             *u *= scale as f32;

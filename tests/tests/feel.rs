@@ -1,0 +1,90 @@
+//! What the hand feels, over whole runs.
+#![allow(clippy::unwrap_used, reason = "a test may stop at what it did not expect")]
+
+use cauldron::world::{Options, World};
+use cauldron_board_sim::Script;
+use cauldron_fluid::scenes::{self, Scene};
+use cauldron_protocol::{State, state::Flags};
+use cauldron_tests::{Trace, trace::force_n};
+use glam::DVec3;
+
+fn cauldron() -> Scene {
+    let mut scene = (scenes::INDEX[0].make)();
+    scene.regrid(20);
+    scene
+}
+
+fn run(world: &mut World, ticks: usize) -> Trace {
+    let states = (0..ticks).map(|_| world.tick().unwrap()).collect();
+    Trace { states, ..Trace::default() }
+}
+
+/// Mean of the force against the motion, which is what "costs force" means.
+fn resistance_n(trace: &Trace) -> f64 {
+    let wet: Vec<&State> =
+        trace.states.iter().skip(1600).filter(|s| s.flags.contains(Flags::WET)).collect();
+    let against = |s: &&State| {
+        let velocity = DVec3::from_array(s.velocity.map(|v| f64::from(v.0)));
+        -force_n(s).dot(velocity.normalize_or_zero())
+    };
+    wet.iter().map(against).sum::<f64>() / wet.len() as f64
+}
+
+fn stirred(viscosity_m2_s: f32) -> f64 {
+    let mut scene = cauldron();
+    if let Some(liquid) = &mut scene.liquid {
+        liquid.viscosity_m2_s = viscosity_m2_s;
+    }
+    resistance_n(&run(&mut World::new(&scene, &Options::new(1)), 4000))
+}
+
+#[test]
+fn a_thick_liquid_costs_at_least_twice_the_force_of_a_thin_one() {
+    let (thin, thick) = (stirred(2e-5), stirred(1e-3));
+    assert!(thin > 0.0 && thick >= 2.0 * thin, "{thin} N thin, {thick} N thick");
+}
+
+#[test]
+fn a_resting_hand_is_given_no_more_than_a_millijoule() {
+    let mut scene = cauldron();
+    scene.story.acts.clear();
+    for start in [DVec3::new(0.0, -0.04, 0.02), DVec3::new(0.0, 0.001, 0.0)] {
+        let mut world = World::with_script(&scene, Script::resting(start), &Options::new(3));
+        let trace = run(&mut world, 10_000);
+        let given_j = trace.energy_to_hand_j(0..10_000);
+        assert!(given_j <= 1e-3, "at {start}: {given_j} J");
+    }
+}
+
+/// As thick as honey: the drag could stop the liquid that it moves several times over within a
+/// step. The loop must neither swing nor blow up.
+#[test]
+fn a_coupling_far_beyond_the_step_stays_calm() {
+    let mut scene = cauldron();
+    if let Some(liquid) = &mut scene.liquid {
+        liquid.viscosity_m2_s = 0.2;
+    }
+    let mut world = World::new(&scene, &Options::new(1));
+    let pot = &world.host.pot;
+    let drag = pot.drag().linear_n_s_per_m;
+    world.host.pot.place_probe(glam::Vec3::new(0.0, -0.05, 0.0));
+    let stiff = drag * f64::from(scene.step_s) / world.host.pot.moved_mass_kg().unwrap();
+    assert!(stiff >= 4.0, "c dt/m = {stiff}");
+    let trace = run(&mut world, 3000);
+    let jump = |w: &[State]| (force_n(&w[1]) - force_n(&w[0])).length();
+    let roughest_n = trace.states[1500..].windows(2).map(jump).fold(0.0, f64::max);
+    assert!(roughest_n < 0.3, "{roughest_n} N in a tick");
+    assert!(resistance_n(&trace) > 0.1, "{} N", resistance_n(&trace));
+    assert!(world.host.pot.exchange().residual_rel() <= 1e-5);
+    assert!(trace.energy_to_hand_j(1500..3000) < 0.0, "honey takes, it does not give");
+}
+
+#[test]
+fn a_current_carries_the_hand() {
+    let scene = (scenes::INDEX[2].make)();
+    let trace = run(&mut World::new(&scene, &Options::new(1)), 1500);
+    // At (-0.06, mid height, 0) of the vortex the current runs along -y or +y at about U.
+    let y_n: f64 =
+        trace.states[1000..1500].iter().map(|s| f64::from(s.force[1].0)).sum::<f64>() / 500.0;
+    assert!(y_n.abs() > 0.05, "{y_n} N");
+}
