@@ -7,7 +7,6 @@
 
 pub mod bench;
 pub mod cli;
-pub mod cpu;
 pub mod failure;
 pub mod host;
 pub mod ledger;

@@ -2,6 +2,7 @@
 //!
 //! Pure simulation in SI units: no wire, no picture, no clock.
 
+pub mod bench;
 pub mod force;
 pub mod grid;
 pub mod mask;

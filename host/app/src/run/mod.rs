@@ -18,6 +18,7 @@ use cauldron_fluid::{
     simd::SimdClass,
 };
 use cauldron_link::{Faults, SessionError, Transport};
+use cpu_time::ProcessTime;
 use std::{
     io::Write,
     sync::Arc,
@@ -28,7 +29,6 @@ use std::{
 use crate::{
     Failure,
     cli::RunArgs,
-    cpu,
     host::{Host, Latency},
     world::{Options, SimHost, World},
 };
@@ -160,16 +160,16 @@ fn lost(error: &SessionError) -> Failure {
 /// Wall and CPU time since it was started.
 struct Watch {
     wall: Instant,
-    cpu: Duration,
+    cpu: ProcessTime,
 }
 
 impl Watch {
     fn start() -> Self {
-        Self { wall: Instant::now(), cpu: cpu::time() }
+        Self { wall: Instant::now(), cpu: ProcessTime::now() }
     }
 
     fn stop(&self, clock: &mut Clock) {
         clock.wall += self.wall.elapsed();
-        clock.cpu += cpu::time().saturating_sub(self.cpu);
+        clock.cpu += self.cpu.elapsed();
     }
 }

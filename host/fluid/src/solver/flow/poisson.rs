@@ -148,17 +148,26 @@ fn eliminate(modes: &mut [f32], inverse_pivot: &[f32], row: usize) {
     modes[..row].iter_mut().zip(inverse_pivot).for_each(|(mode, g)| *mode *= g);
     for k in 1..planes {
         let (done, rest) = modes.split_at_mut(k * row);
-        let (below, pivot) = (&done[(k - 1) * row..], &inverse_pivot[k * row..]);
-        for ((mode, below), g) in rest[..row].iter_mut().zip(below).zip(pivot) {
-            *mode = (*mode + below) * g;
-        }
+        let below = &done[(k - 1) * row..];
+        for_blocks(&mut rest[..row], below, &inverse_pivot[k * row..], |here, y, g| (here + y) * g);
     }
     for k in (1..planes).rev() {
         let (rest, done) = modes.split_at_mut(k * row);
-        let pivot = &inverse_pivot[(k - 1) * row..];
-        for ((mode, above), g) in rest[(k - 1) * row..].iter_mut().zip(&done[..row]).zip(pivot) {
-            *mode += above * g;
-        }
+        let (here, pivot) = (&mut rest[(k - 1) * row..], &inverse_pivot[(k - 1) * row..]);
+        for_blocks(here, &done[..row], pivot, |here, psi, g| here + g * psi);
+    }
+}
+
+/// here = next(here, other, pivot), a block at a time: that the optimiser sees at once that
+/// what it writes lies apart from what it reads.
+#[inline(always)]
+fn for_blocks(here: &mut [f32], other: &[f32], pivot: &[f32], next: impl Fn(f32, f32, f32) -> f32) {
+    let others = other.as_chunks::<MODES>().0.iter().zip(pivot.as_chunks::<MODES>().0);
+    for (here, (other, pivot)) in here.as_chunks_mut::<MODES>().0.iter_mut().zip(others) {
+        *here = std::array::from_fn(
+            #[inline(always)]
+            |i| next(here[i], other[i], pivot[i]),
+        );
     }
 }
 

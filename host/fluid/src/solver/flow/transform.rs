@@ -63,29 +63,21 @@ impl Transform {
     /// Folds one row of values.
     #[inline(always)]
     pub fn fold(&self, values: &[f32], folded: &mut [f32]) {
-        let (n, [even, odd]) = (self.points, &self.halves);
-        let (low, high) = values[..n].split_at(even.count);
-        folded[..even.count].copy_from_slice(low);
+        let [even, odd] = &self.halves;
+        let (low, high) = values[..self.points].split_at(even.count);
         let (sums, differences) = folded.split_at_mut(odd.start);
-        let mirrored = sums[..odd.count].iter_mut().rev();
-        for ((sum, difference), high) in mirrored.zip(&mut differences[..odd.count]).zip(high) {
-            *difference = *sum - high;
-            *sum += high;
-        }
+        sums[..even.count].copy_from_slice(low);
+        butterfly(&mut sums[..odd.count], &mut differences[..odd.count], high);
     }
 
     /// The inverse of [`Transform::fold`] but for a factor of 2: even and odd part to values.
     #[inline(always)]
     pub fn unfold(&self, folded: &[f32], values: &mut [f32]) {
-        let (n, [even, odd]) = (self.points, &self.halves);
+        let [even, odd] = &self.halves;
         let (sums, differences) = folded.split_at(odd.start);
-        let (low, high) = values[..n].split_at_mut(even.count);
+        let (low, high) = values[..self.points].split_at_mut(even.count);
         low.copy_from_slice(&sums[..even.count]);
-        let mirrored = low[..odd.count].iter_mut().rev();
-        for ((low, high), difference) in mirrored.zip(high).zip(differences) {
-            *high = *low - difference;
-            *low += difference;
-        }
+        butterfly(&mut low[..odd.count], high, &differences[..odd.count]);
     }
 
     /// Folds whole rows of `row` values in place: n rows become sums, then differences.
@@ -128,6 +120,29 @@ fn cosine(points: usize, mode: usize, point: usize) -> f64 {
     let n = points as f64;
     let norm = if mode == 0 { 1.0 } else { 2.0 };
     (norm / n).sqrt() * (PI * mode as f64 * (point as f64 + 0.5) / n).cos()
+}
+
+/// With the low half mirrored: low and high become low + other and low - other.
+#[inline(always)]
+fn butterfly(low: &mut [f32], high: &mut [f32], other: &[f32]) {
+    let blocks = low.as_rchunks_mut::<PAD>().1.iter_mut().rev();
+    let whole = blocks.len() * PAD;
+    for ((low, high), other) in
+        blocks.zip(high.as_chunks_mut::<PAD>().0).zip(other.as_chunks::<PAD>().0)
+    {
+        let (from, mut mirrored) = (*low, [0.0; PAD]);
+        for i in 0..PAD {
+            low[i] = from[i] + other[PAD - 1 - i];
+            mirrored[i] = from[PAD - 1 - i] - other[i];
+        }
+        *high = mirrored;
+    }
+    let rest = low.len() - whole;
+    for i in 0..rest {
+        let (low, other) = (&mut low[rest - 1 - i], other[whole + i]);
+        high[whole + i] = *low - other;
+        *low += other;
+    }
 }
 
 /// A matrix in memory: the values, and the distance from one row to the next.
@@ -175,18 +190,21 @@ fn tile<const R: usize, const W: usize>(
     out_row: usize,
 ) {
     let mut sums = [[0f32; W]; R];
-    let a_rows: [&[f32]; R] = std::array::from_fn(|r| &a.0[r * a.1..][..inner]);
+    let a_rows: [&[f32]; R] = std::array::from_fn(
+        #[inline(always)]
+        |r| &a.0[r * a.1..][..inner],
+    );
     for k in 0..inner {
-        let b = &b.0[k * b.1..][..W];
-        for r in 0..R {
-            let a = a_rows[r][k];
-            for w in 0..W {
-                sums[r][w] += a * b[w];
+        let Some(b) = b.0[k * b.1..].first_chunk::<W>() else { return };
+        for (sums, a) in sums.iter_mut().zip(&a_rows) {
+            let a = a[k];
+            for (sum, b) in sums.iter_mut().zip(b) {
+                *sum += a * b;
             }
         }
     }
-    for r in 0..R {
-        out[r * out_row..][..W].copy_from_slice(&sums[r]);
+    for (r, sums) in sums.iter().enumerate() {
+        out[r * out_row..][..W].copy_from_slice(sums);
     }
 }
 
