@@ -165,7 +165,7 @@ impl Control {
             Down::Hello => return Some(Up::Hello(self.settings.identity())),
             Down::Ping { host_us } => return Some(Up::Pong { host_us, tick: now }),
             Down::ReadFaultLog => return Some(Up::FaultLog(self.watch.log().collect())),
-            Down::Field(head) => self.field.begin(head, torn),
+            Down::Field(head) => self.field.begin(now, head, torn),
             Down::Keep(keep) => self.field.keep(keep),
             Down::Configure(config) => self.settings.configure(state, config),
             Down::Vessel(vessel) => self.settings.load_vessel(state, vessel),
@@ -185,7 +185,7 @@ impl Control {
     /// Stores a slab of a field.
     pub fn slab(&mut self, now: Ticks, slab: SlabHead, data: &[u8]) {
         self.watch.hear(now);
-        self.field.store(slab, data);
+        self.field.store(now, slab, data);
     }
 
     /// Arms with an empty field: what an earlier session left must not act in this one.

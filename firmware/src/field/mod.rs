@@ -138,7 +138,7 @@ impl Field {
     ///
     /// # Errors
     /// [`Refusal::BadField`] if the device cannot hold it or the head contradicts itself.
-    pub fn begin(&mut self, head: FieldHead, torn: &mut u16) -> Result<(), Refusal> {
+    pub fn begin(&mut self, now: Ticks, head: FieldHead, torn: &mut u16) -> Result<(), Refusal> {
         if self.shelf.receiving().is_open() {
             count(torn);
         }
@@ -146,19 +146,24 @@ impl Field {
             return Err(Refusal::BadField);
         }
         if !self.shelf.receiving().is_open() {
-            self.commit(); // nothing but a head: a scene without medium
+            self.commit(now); // nothing but a head: a scene without medium
         }
         Ok(())
     }
 
     /// Stores a slab; with the last one the field is committed as a whole.
-    pub fn store(&mut self, slab: SlabHead, data: &[u8]) {
+    pub fn store(&mut self, now: Ticks, slab: SlabHead, data: &[u8]) {
         if self.shelf.receiving().store(slab, data) {
-            self.commit();
+            self.commit(now);
         }
     }
 
-    fn commit(&mut self) {
+    /// What was received waits for its time. If one waits already, its time is now: a host whose
+    /// clock runs ahead must not make every field give way to the next before it has acted.
+    fn commit(&mut self, now: Ticks) {
+        if self.has_waiting {
+            self.start_ramp(now);
+        }
         self.shelf.commit();
         self.has_waiting = true;
     }

@@ -49,9 +49,9 @@ fn send(field: &mut Field, epoch: u32, life: [u32; 2], flow_x: impl Fn(Vec3) -> 
     }
     let bytes: Vec<u8> = samples.iter().flat_map(|s| s.to_le_bytes()).collect();
     let mut torn = 0;
-    field.begin(head, &mut torn).unwrap();
+    field.begin(Ticks(life[0]), head, &mut torn).unwrap();
     for (index, data) in bytes.chunks(SlabHead::MAX_DATA).enumerate() {
-        field.store(SlabHead { epoch, index: index as u16 }, data);
+        field.store(Ticks(life[0]), SlabHead { epoch, index: index as u16 }, data);
     }
     head
 }
@@ -162,15 +162,26 @@ fn half_a_field_never_acts() {
     let head = send(&mut field, 1, [0, 10], |_| 0.4);
     field.advance(Ticks(0));
     let mut torn = 0;
-    field.begin(FieldHead { epoch: 2, ..head }, &mut torn).unwrap();
-    field.store(SlabHead { epoch: 2, index: 0 }, &[0; 512]);
-    field.store(SlabHead { epoch: 2, index: 0 }, &[0; 512]);
-    field.store(SlabHead { epoch: 3, index: 1 }, &[0; 512]);
-    field.store(SlabHead { epoch: 2, index: 1 }, &[0; 3]);
+    field.begin(Ticks(0), FieldHead { epoch: 2, ..head }, &mut torn).unwrap();
+    field.store(Ticks(0), SlabHead { epoch: 2, index: 0 }, &[0; 512]);
+    field.store(Ticks(0), SlabHead { epoch: 2, index: 0 }, &[0; 512]);
+    field.store(Ticks(0), SlabHead { epoch: 3, index: 1 }, &[0; 512]);
+    field.store(Ticks(0), SlabHead { epoch: 2, index: 1 }, &[0; 3]);
     field.advance(Ticks(20));
     assert_eq!((field.epoch(), torn), (1, 0));
-    field.begin(FieldHead { epoch: 3, ..head }, &mut torn).unwrap();
+    field.begin(Ticks(0), FieldHead { epoch: 3, ..head }, &mut torn).unwrap();
     assert_eq!(torn, 1);
     let unsound = FieldHead { epoch: 4, nodes: [9; 3], ..head };
-    assert_eq!(field.begin(unsound, &mut torn), Err(Refusal::BadField));
+    assert_eq!(field.begin(Ticks(0), unsound, &mut torn), Err(Refusal::BadField));
+}
+
+#[test]
+fn fields_from_a_host_whose_clock_runs_ahead_act_all_the_same() {
+    let mut field = Field::default();
+    for epoch in 1..=5 {
+        let from = 1000 + 10 * epoch;
+        send(&mut field, epoch, [from, from + 10], |_| 0.1 * epoch as f32);
+        field.advance(Ticks(10 * epoch));
+    }
+    assert_eq!(field.epoch(), 4, "the last but one acts, the last waits");
 }

@@ -39,7 +39,11 @@ pub fn fluid(args: &BenchArgs) -> Result<(), Failure> {
         draw(&rows, dir)?;
     }
     let misses: Vec<String> = rows.iter().filter(|r| r.pass == Some(false)).map(name).collect();
-    if misses.is_empty() { Ok(()) } else { Err(Failure::Check(format!("missed: {}", misses.join(", ")))) }
+    if misses.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::Check(format!("missed: {}", misses.join(", "))))
+    }
 }
 
 fn name(row: &Row) -> String {
@@ -70,8 +74,9 @@ fn table(rows: &[Row]) -> Vec<String> {
 
 /// A work-precision diagram for each case: error over time per step, a line for each solver.
 fn draw(rows: &[Row], dir: &Path) -> Result<(), Failure> {
-    let cannot =
-        |why: &dyn std::fmt::Display| Failure::Input(format!("cannot write into {}: {why}", dir.display()));
+    let cannot = |why: &dyn std::fmt::Display| {
+        Failure::Input(format!("cannot write into {}: {why}", dir.display()))
+    };
     fs::create_dir_all(dir).map_err(|e| cannot(&e))?;
     let mut cases: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     rows.iter().for_each(|row| cases.entry(&row.case).or_default().push(row));

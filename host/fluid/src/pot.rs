@@ -22,7 +22,7 @@ use crate::{
 pub struct Totals {
     /// Steps taken.
     pub steps: u64,
-    /// Steps in which the liquid was at rest and was skipped.
+    /// Steps in which there was no liquid, or it was at rest and was skipped.
     pub steps_asleep: u64,
     /// Largest kinetic energy of the liquid.
     pub kinetic_energy_max_j: f64,
@@ -183,6 +183,7 @@ impl Pot {
     pub fn step(&mut self, dt_s: f32) {
         self.totals.steps += 1;
         self.time_s += f64::from(dt_s);
+        self.totals.steps_asleep += u64::from(self.flow.is_none());
         if let Some(flow) = &mut self.flow {
             match flow.step(f64::from(dt_s)) {
                 Ok(report) => {

@@ -6,41 +6,49 @@ use cauldron_protocol::units::Ticks;
 /// Length of a tick on the host's clock.
 const TICK_US: i64 = 1000;
 
-/// How fast the offset may creep towards later arrivals, in microseconds a state: more than two
-/// clocks drift apart (100 ppm is 0.1 us a state), less than a slow frame pulls.
-const CREEP_US: i64 = 1;
+/// States in a span; the fastest of the last one or two counts.
+const SPAN: u32 = 500;
 
-/// Maps the host's clock to the device's ticks by the fastest arrivals seen lately.
+/// Maps the host's clock to the device's ticks by the fastest arrivals of the last half to one
+/// second: a frame that was held up shifts nothing, and a clock that drifts, or a device that
+/// lost time, is followed within a second.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DeviceClock {
-    /// Arrival less tick time of the fastest state, and that state's tick.
-    reference: Option<(i64, Ticks)>,
+    /// Arrivals are told as microseconds after that of this tick would be.
+    base: Option<(u64, Ticks)>,
+    seen: u32,
+    fastest_us: i64,
+    fastest_before_us: i64,
 }
 
 impl DeviceClock {
     /// A state of `tick` came at `now_us`.
     pub fn see(&mut self, now_us: u64, tick: Ticks) {
-        let arrival_us = now_us as i64;
-        self.reference = Some(match self.reference {
-            None => (arrival_us, tick),
-            Some((base_us, base)) => {
-                let expected_us = base_us + i64::from(tick.since(base)) * TICK_US;
-                (arrival_us.min(expected_us + CREEP_US), tick)
-            }
+        let (base_us, base) = *self.base.get_or_insert_with(|| {
+            (self.fastest_us, self.fastest_before_us) = (0, 0);
+            (now_us, tick)
         });
+        let late_us = now_us as i64 - base_us as i64 - i64::from(tick.since(base)) * TICK_US;
+        if self.seen == SPAN {
+            (self.fastest_before_us, self.fastest_us) = (self.fastest_us, late_us);
+            self.seen = 0;
+        }
+        self.seen += 1;
+        self.fastest_us = self.fastest_us.min(late_us);
     }
 
     /// The device's tick at `now_us`; `None` before the first state.
     #[must_use]
     pub fn tick_at(&self, now_us: u64) -> Option<Ticks> {
-        let (base_us, base) = self.reference?;
-        let ticks = (now_us as i64 - base_us).div_euclid(TICK_US);
+        let (base_us, base) = self.base?;
+        let fastest_us = self.fastest_us.min(self.fastest_before_us);
+        let ticks = (now_us as i64 - base_us as i64 - fastest_us).div_euclid(TICK_US);
         Some(base.plus(ticks as u32))
     }
 
     /// Forgets: another device, or the same one started anew.
     pub fn restart(&mut self) {
-        self.reference = None;
+        *self = Self::default();
     }
 }
 
@@ -60,5 +68,15 @@ mod tests {
         let now_us = 500_000 + 10_000 * 1000 + 500 + 200;
         let tick = clock.tick_at(now_us).unwrap();
         assert!(tick.since(Ticks(10_100)).abs() <= 1, "{tick:?}");
+    }
+
+    #[test]
+    fn a_device_that_lost_time_is_followed_within_a_second() {
+        let mut clock = DeviceClock::default();
+        for i in 0..3000_u64 {
+            let stall_us = if i < 1500 { 0 } else { 40_000 };
+            clock.see(i * 1000 + stall_us, Ticks(i as u32));
+        }
+        assert_eq!(clock.tick_at(3_000_000 + 40_000), Some(Ticks(3000)));
     }
 }

@@ -17,8 +17,8 @@ use crate::{
     script::Script,
 };
 
-/// Jitter of an encoder, as a part of a count.
-const NOISE_COUNTS: f64 = 0.2;
+/// Jitter of an optical encoder's edges, as a part of a count.
+const NOISE_COUNTS: f64 = 0.05;
 
 /// What the board's USB socket holds: bytes that came, bytes to go, and whether it is plugged.
 #[derive(Clone, Debug)]

@@ -50,7 +50,7 @@ pub struct Figures {
     pub seconds: f64,
     /// Steps of the fluid.
     pub steps: u64,
-    /// Steps skipped since the fluid was at rest.
+    /// Steps skipped since the fluid was at rest, or there is none.
     pub steps_asleep: u64,
     /// Fields and Keeps sent.
     pub fields: u64,
@@ -238,7 +238,7 @@ fn position_m(state: &State) -> DVec3 {
 
 fn rms_wet_n(states: &[State]) -> f64 {
     let wet = || states.iter().filter(|s| s.flags.contains(Flags::WET));
-    let sum: f64 = wet().map(|s| force_n(s).length_squared()).sum();
+    let sum = wet().fold(0.0, |sum, s| sum + force_n(s).length_squared());
     (sum / wet().count().max(1) as f64).sqrt()
 }
 

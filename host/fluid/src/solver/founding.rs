@@ -280,9 +280,9 @@ fn project(n: usize, velocity: &mut [Vec<f32>; 3], [p, divergence, _]: &mut [Vec
         let [u, v, w] = velocity.each_ref();
         let [u, v, w] = [(u, 1), (v, m), (w, m * m)]
             .map(|(u, stride)| (cut(u, at + stride, n), cut(u, at - stride, n)));
-        for i in 0..n {
+        for (i, out) in out.iter_mut().enumerate() {
             let sum = u.0[i] - u.1[i] + v.0[i] - v.1[i] + w.0[i] - w.1[i];
-            out[i] = -h * sum / 3.0;
+            *out = -h * sum / 3.0;
         }
         p[at..][..n].fill(0.0);
     }

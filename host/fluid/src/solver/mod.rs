@@ -2,6 +2,30 @@
 //!
 //! A new solver is one file and one row in [`INDEX`]; the shared conformance tests and the
 //! benchmarks then run on it.
+//!
+//! Decaying vortices (Taylor, Green 1937) in twenty lines:
+//! ```
+//! use std::f64::consts::PI;
+//!
+//! use cauldron_fluid::{Grid, Vessel, solver::{Setup, Solver, flow::Flow}};
+//! use glam::DVec3;
+//!
+//! let vortices = |p: DVec3| {
+//!     let (x, y) = (PI * p.x, PI * p.y);
+//!     DVec3::new(x.sin() * y.cos(), -x.cos() * y.sin(), 0.0)
+//! };
+//! let setup = Setup { viscosity_m2_s: 0.01, ..Setup::new(Grid::unit_cube(16), Vessel::Box) };
+//! let mut flow = Flow::new(&setup);
+//! flow.set_velocity(&vortices)?;
+//! for _ in 0..32 {
+//!     flow.step(1.0 / 32.0)?;
+//! }
+//! let decay = (-2.0 * PI * PI * 0.01f64).exp();
+//! let mut worst = 0f64;
+//! flow.visit(&mut |p, c, value| worst = worst.max((value - decay * vortices(p)[c]).abs()));
+//! assert!(worst < 2e-3, "{worst}");
+//! # Ok::<(), cauldron_fluid::solver::Refused>(())
+//! ```
 
 pub mod flow;
 pub mod founding;

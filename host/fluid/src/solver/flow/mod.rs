@@ -1,8 +1,8 @@
 //! Our flow solver: a staggered grid in a box or a pot, f32 throughout, deterministic for any
 //! number of threads and any vector width, allocation-free after construction.
 //!
-//! It chooses scheme and number of sub-steps from the step it is given (see [`schedule`]), so
-//! that it is accurate where that is cheap and stable always.
+//! It chooses scheme and number of sub-steps from the step it is given, so that it is
+//! accurate where that is cheap and stable always.
 
 pub(crate) mod engine;
 mod exchange;

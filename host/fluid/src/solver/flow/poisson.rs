@@ -31,11 +31,11 @@ pub struct Poisson {
     y: Transform,
     /// Inverse pivots, laid out as `modes`.
     inverse_pivot: Field,
-    /// Rows folded along x: [z][y][x].
+    /// Rows folded along x, by z, y and x.
     folded: Field,
-    /// Rows of x modes: [z][y][x mode].
+    /// Rows of x modes, by z, y and x mode.
     half_way: Field,
-    /// All modes: [y mode][z][x mode].
+    /// All modes, by y mode, z and x mode.
     modes: Field,
 }
 

@@ -21,7 +21,7 @@ const RELATIVE_TOLERANCE: f64 = 1e-5;
 
 /// ... or, as nothing smaller can be told from the rounding of the velocities, to this part of
 /// the largest speed.
-const SPEED_TOLERANCE: f64 = 1e-6;
+const SPEED_TOLERANCE: f64 = 3e-6;
 
 /// Iterations at most.
 const MAX_ITERATIONS: usize = 40;

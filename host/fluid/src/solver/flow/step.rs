@@ -260,3 +260,36 @@ impl Flow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::{grid::Grid, solver::Setup, vessel::Vessel};
+
+    #[test]
+    fn skipping_liquid_at_rest_changes_no_bits() {
+        let run = |may_sleep| {
+            let vessel = Vessel::Pot { centre_in_world_m: Vec3::splat(0.5), radius_m: 0.45 };
+            let grid = Grid::unit_cube(8);
+            let mut flow = Flow::new(&Setup { viscosity_m2_s: 0.1, ..Setup::new(grid, vessel) });
+            flow.may_sleep = may_sleep;
+            let (mut slept, mut bits) = (0, Vec::new());
+            for push in 0..3 {
+                let impulse = DVec3::new(1e-3, f64::from(push), 0.0);
+                flow.push(Vec3::splat(0.5), 0.2, impulse).expect("finite");
+                for _ in 0..200 {
+                    slept +=
+                        u32::from(flow.advance(0.05).expect("in range").scheme == Scheme::Rest);
+                    let u = flow.velocity.iter().flat_map(|u| u.iter());
+                    bits.extend(u.map(|u| u.to_bits()));
+                }
+            }
+            (slept, bits)
+        };
+        let ((slept, sleeping), (never, awake)) = (run(true), run(false));
+        assert!(slept > 100 && never == 0, "{slept} {never}");
+        assert_eq!(sleeping, awake);
+    }
+}

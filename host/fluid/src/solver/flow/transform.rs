@@ -190,14 +190,10 @@ fn tile<const R: usize, const W: usize>(
     out_row: usize,
 ) {
     let mut sums = [[0f32; W]; R];
-    let a_rows: [&[f32]; R] = std::array::from_fn(
-        #[inline(always)]
-        |r| &a.0[r * a.1..][..inner],
-    );
     for k in 0..inner {
         let Some(b) = b.0[k * b.1..].first_chunk::<W>() else { return };
-        for (sums, a) in sums.iter_mut().zip(&a_rows) {
-            let a = a[k];
+        for (r, sums) in sums.iter_mut().enumerate() {
+            let a = a.0[r * a.1 + k];
             for (sum, b) in sums.iter_mut().zip(b) {
                 *sum += a * b;
             }
