@@ -5,9 +5,9 @@
 
 use crate::{field::Medium, vector::Vec3};
 
-/// The probe is out again when it is this far above the surface: a little, so that noise of a
-/// count does not pop it in and out.
-const OUT_M: f32 = 0.5e-3;
+/// The probe is out again when it is this far above the surface: enough that the ripple of its own
+/// plunge does not lift it out and have it pop in once more.
+const OUT_M: f32 = 2e-3;
 
 /// How the probe stands to the medium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,8 +88,8 @@ mod tests {
         assert!((force_n(pressed, at(0.008), &medium).y - 0.8).abs() < 1e-5);
         assert_eq!(surface.update(true, at(0.007), &medium), Contact::Wet);
         assert_eq!(surface.update(true, at(0.0095), &medium), Contact::Wet);
-        assert_eq!(surface.update(true, at(0.0102), &medium), Contact::Wet);
-        assert_eq!(surface.update(true, at(0.0106), &medium), Contact::Dry);
+        assert_eq!(surface.update(true, at(0.0118), &medium), Contact::Wet);
+        assert_eq!(surface.update(true, at(0.0121), &medium), Contact::Dry);
         assert_eq!(surface.update(true, at(0.0095), &medium), Contact::OnSurface);
     }
 

@@ -29,7 +29,7 @@ impl Progress {
 
     /// Shows how far the run is, if it is time to.
     pub fn show(&mut self, record: &Record, steps: u64) {
-        if record.len() % 64 != 0 {
+        if !record.len().is_multiple_of(64) {
             return; // the clock need not be asked every tick
         }
         let every = if self.live { LIVE } else { LOGGED };

@@ -30,13 +30,12 @@
 //! An unknown key, a value of the wrong kind and one out of its range are refused with their
 //! line and key.
 
-use glam::Vec3;
-use serde::Deserialize;
 use std::{fmt, fs, io, ops::Range, path::Path};
-use toml::Spanned;
 
-use super::{Act, INDEX, Scene, Wrong};
-use crate::vessel::Vessel;
+use super::{
+    INDEX, Scene, Wrong,
+    keys::{File, Lines},
+};
 
 /// Why there is no scene.
 #[derive(Debug)]
@@ -116,7 +115,7 @@ fn find_base(name: Option<&str>) -> Result<Scene, SceneError> {
     row.map(|row| (row.make)()).ok_or_else(|| SceneError::Unknown(name.into()))
 }
 
-fn line_of(text: &str, span: Range<usize>) -> usize {
+pub(super) fn line_of(text: &str, span: Range<usize>) -> usize {
     1 + text.bytes().take(span.start).filter(|b| *b == b'\n').count()
 }
 
@@ -124,275 +123,10 @@ fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Where each key that the file set stands.
-struct Lines<'a> {
-    text: &'a str,
-    seen: Vec<(&'static str, Range<usize>)>,
-}
-
-impl Lines<'_> {
-    fn line_of_key(&self, key: &str) -> Option<usize> {
-        let (_, span) = self.seen.iter().find(|(seen, _)| *seen == key)?;
-        Some(line_of(self.text, span.clone()))
-    }
-
-    fn set<T, U>(&mut self, key: &'static str, to: &mut U, from: &Option<Spanned<T>>)
-    where
-        T: Copy + Into<Value<U>>,
-    {
-        if let Some(value) = from {
-            self.seen.push((key, value.span()));
-            *to = (*value.get_ref()).into().0;
-        }
-    }
-}
-
-/// A file's number as the scene's.
-struct Value<T>(T);
-
-impl From<f64> for Value<f32> {
-    fn from(value: f64) -> Self {
-        Self(value as f32)
-    }
-}
-
-impl From<[f64; 3]> for Value<Vec3> {
-    fn from([x, y, z]: [f64; 3]) -> Self {
-        Self(Vec3::new(x as f32, y as f32, z as f32))
-    }
-}
-
-type Number = Option<Spanned<f64>>;
-type Triple = Option<Spanned<[f64; 3]>>;
-type Misfit = (Range<usize>, Wrong);
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    base: Option<String>,
-    name: Option<String>,
-    about: Option<String>,
-    step_s: Number,
-    #[serde(default)]
-    grid: GridKeys,
-    vessel: Option<Spanned<VesselKeys>>,
-    liquid: Option<Spanned<LiquidKeys>>,
-    surface: Option<Spanned<SurfaceKeys>>,
-    #[serde(default)]
-    probe: ProbeKeys,
-    #[serde(default)]
-    feel: FeelKeys,
-    #[serde(default)]
-    substance: Vec<Spanned<SubstanceKeys>>,
-    #[serde(default)]
-    story: StoryKeys,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct GridKeys {
-    cells: Option<Spanned<[i64; 3]>>,
-    spacing_m: Number,
-    origin_m: Triple,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct VesselKeys {
-    centre_m: Triple,
-    radius_m: Number,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LiquidKeys {
-    density_kg_m3: Number,
-    viscosity_m2_s: Number,
-    colour: Triple,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SurfaceKeys {
-    areal_mass_kg_m2: Number,
-    gravity_n_per_m3: Number,
-    tension_n_per_m: Number,
-    bend: Number,
-    drag_n_s_per_m3: Number,
-    layer_decay_m: Number,
-    contact_stiffness_n_per_m: Number,
-    break_force_n: Number,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct ProbeKeys {
-    radius_m: Number,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct FeelKeys {
-    felt_scale: Number,
-    scale: Number,
-    wall_stiffness_n_per_m: Number,
-    wall_damping_n_s_per_m: Number,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SubstanceKeys {
-    name: Option<String>,
-    colour: Triple,
-    diffusivity_m2_s: Number,
-    pour_at_m: Triple,
-    pour_radius_m: Number,
-    pour_per_s: Number,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct StoryKeys {
-    stir: Option<bool>,
-    pour: Option<bool>,
-}
-
-impl File {
-    fn apply(self, scene: &mut Scene, lines: &mut Lines<'_>) -> Result<(), Misfit> {
-        scene.name = self.name.unwrap_or(std::mem::take(&mut scene.name));
-        scene.about = self.about.unwrap_or(std::mem::take(&mut scene.about));
-        lines.set("step_s", &mut scene.step_s, &self.step_s);
-        self.grid.apply(scene, lines)?;
-        self.vessel.map_or(Ok(()), |v| apply_vessel(&v, scene, lines))?;
-        self.liquid.map_or(Ok(()), |l| apply_liquid(&l, scene, lines))?;
-        self.surface.map_or(Ok(()), |s| apply_surface(&s, scene, lines))?;
-        lines.set("probe.radius_m", &mut scene.probe.radius_m, &self.probe.radius_m);
-        self.feel.apply(scene, lines);
-        for (place, keys) in self.substance.iter().enumerate() {
-            apply_substance(place, keys, scene, lines)?;
-        }
-        self.story.apply(scene);
-        Ok(())
-    }
-}
-
-impl GridKeys {
-    fn apply(&self, scene: &mut Scene, lines: &mut Lines<'_>) -> Result<(), Misfit> {
-        lines.set("grid.spacing_m", &mut scene.grid.spacing_m, &self.spacing_m);
-        lines.set("grid.origin_m", &mut scene.grid.origin_in_world_m, &self.origin_m);
-        let Some(cells) = &self.cells else { return Ok(()) };
-        lines.seen.push(("grid.cells", cells.span()));
-        for (to, from) in scene.grid.cells.iter_mut().zip(*cells.get_ref()) {
-            *to = usize::try_from(from).map_err(|_| {
-                let must = "a size is at least 1".into();
-                let value = from.to_string();
-                (cells.span(), Wrong { key: "grid.cells".into(), value, must })
-            })?;
-        }
-        Ok(())
-    }
-}
-
-impl FeelKeys {
-    fn apply(&self, scene: &mut Scene, lines: &mut Lines<'_>) {
-        let feel = &mut scene.feel;
-        lines.set("feel.felt_scale", &mut feel.felt_scale, &self.felt_scale);
-        lines.set("feel.scale", &mut feel.world_from_device.scale, &self.scale);
-        let (stiffness, damping) = (&self.wall_stiffness_n_per_m, &self.wall_damping_n_s_per_m);
-        lines.set("feel.wall_stiffness_n_per_m", &mut feel.wall_stiffness_n_per_m, stiffness);
-        lines.set("feel.wall_damping_n_s_per_m", &mut feel.wall_damping_n_s_per_m, damping);
-    }
-}
-
-impl StoryKeys {
-    /// A story without stirring keeps its times: the hand rests where it would have begun to stir.
-    fn apply(&self, scene: &mut Scene) {
-        if self.stir == Some(false) {
-            for act in &mut scene.story.acts {
-                if let Act::Stir { seconds, .. } = *act {
-                    *act = Act::Rest { seconds };
-                }
-            }
-        }
-        if self.pour == Some(false) {
-            scene.story.pours.clear();
-        }
-    }
-}
-
-fn apply_vessel(
-    keys: &Spanned<VesselKeys>,
-    scene: &mut Scene,
-    lines: &mut Lines<'_>,
-) -> Result<(), Misfit> {
-    let Vessel::Pot { centre_in_world_m, radius_m } = &mut scene.vessel else {
-        return Err(lacks(keys, "vessel", "pot"));
-    };
-    lines.set("vessel.centre_m", centre_in_world_m, &keys.get_ref().centre_m);
-    lines.set("vessel.radius_m", radius_m, &keys.get_ref().radius_m);
-    Ok(())
-}
-
-fn apply_liquid(
-    keys: &Spanned<LiquidKeys>,
-    scene: &mut Scene,
-    lines: &mut Lines<'_>,
-) -> Result<(), Misfit> {
-    let Some(liquid) = &mut scene.liquid else { return Err(lacks(keys, "liquid", "liquid")) };
-    let keys = keys.get_ref();
-    lines.set("liquid.density_kg_m3", &mut liquid.density_kg_m3, &keys.density_kg_m3);
-    lines.set("liquid.viscosity_m2_s", &mut liquid.viscosity_m2_s, &keys.viscosity_m2_s);
-    lines.set("liquid.colour", &mut liquid.colour, &keys.colour);
-    Ok(())
-}
-
-fn apply_surface(
-    keys: &Spanned<SurfaceKeys>,
-    scene: &mut Scene,
-    lines: &mut Lines<'_>,
-) -> Result<(), Misfit> {
-    let Some(surface) = &mut scene.surface else { return Err(lacks(keys, "surface", "surface")) };
-    let keys = keys.get_ref();
-    lines.set("surface.areal_mass_kg_m2", &mut surface.areal_mass_kg_m2, &keys.areal_mass_kg_m2);
-    lines.set("surface.gravity_n_per_m3", &mut surface.gravity_n_per_m3, &keys.gravity_n_per_m3);
-    lines.set("surface.tension_n_per_m", &mut surface.tension_n_per_m, &keys.tension_n_per_m);
-    lines.set("surface.bend", &mut surface.bend, &keys.bend);
-    lines.set("surface.drag_n_s_per_m3", &mut surface.drag_n_s_per_m3, &keys.drag_n_s_per_m3);
-    lines.set("surface.layer_decay_m", &mut surface.layer_decay_m, &keys.layer_decay_m);
-    let stiffness = &mut surface.contact_stiffness_n_per_m;
-    lines.set("surface.contact_stiffness_n_per_m", stiffness, &keys.contact_stiffness_n_per_m);
-    lines.set("surface.break_force_n", &mut surface.break_force_n, &keys.break_force_n);
-    Ok(())
-}
-
-fn apply_substance(
-    place: usize,
-    keys: &Spanned<SubstanceKeys>,
-    scene: &mut Scene,
-    lines: &mut Lines<'_>,
-) -> Result<(), Misfit> {
-    let Some(substance) = scene.substances.get_mut(place) else {
-        return Err(lacks(keys, "substance", "so many substances"));
-    };
-    let keys = keys.get_ref();
-    substance.name = keys.name.clone().unwrap_or(std::mem::take(&mut substance.name));
-    lines.set("substance.colour", &mut substance.colour, &keys.colour);
-    let diffusivity = &mut substance.diffusivity_m2_s;
-    lines.set("substance.diffusivity_m2_s", diffusivity, &keys.diffusivity_m2_s);
-    lines.set("substance.pour_at_m", &mut substance.pour_at_m, &keys.pour_at_m);
-    lines.set("substance.pour_radius_m", &mut substance.pour_radius_m, &keys.pour_radius_m);
-    lines.set("substance.pour_per_s", &mut substance.pour_per_s, &keys.pour_per_s);
-    Ok(())
-}
-
-fn lacks<T>(keys: &Spanned<T>, key: &str, what: &str) -> Misfit {
-    let must = format!("the base scene has no {what}: choose another base");
-    (keys.span(), Wrong { key: key.into(), value: "set".into(), must })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::Act;
 
     fn error(text: &str) -> String {
         read("pot.toml", text).map(|_| ()).unwrap_err().to_string()

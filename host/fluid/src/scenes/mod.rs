@@ -7,6 +7,7 @@ mod cauldron;
 mod check;
 mod empty;
 mod file;
+mod keys;
 mod taylor_green;
 
 pub use check::{Bound, Wrong};

@@ -1,6 +1,9 @@
 //! The surface of the liquid: what is seen rippling, and what the probe presses on.
 
+mod motion;
+mod params;
 mod spring;
 
-pub(crate) use spring::MOST_SUBSTEPS;
-pub use spring::{SpringSheet, SurfaceParams};
+pub(crate) use params::MOST_SUBSTEPS;
+pub use params::SurfaceParams;
+pub use spring::SpringSheet;
