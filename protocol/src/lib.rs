@@ -34,6 +34,7 @@ pub mod fault;
 pub mod field;
 pub mod frame;
 pub mod message;
+pub mod schema;
 pub mod state;
 pub mod transform;
 pub mod units;
@@ -41,7 +42,8 @@ pub mod vessel;
 
 pub use fault::{Fault, Limit, Limits};
 pub use frame::{Drops, Frame, Kind};
-pub use message::{Down, Refusal, Up, Verdict, schema_hash};
+pub use message::{Down, Refusal, Up, Verdict};
+pub use schema::schema_hash;
 pub use state::{State, States, Supervisor};
 pub use transform::WorldFromDevice;
 pub use vessel::{Vessel, Wall};

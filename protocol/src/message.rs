@@ -1,13 +1,12 @@
 //! The messages themselves: [`Down`] from the host, [`Up`] from the device.
 
 use heapless::Vec;
-use postcard_schema::{Schema, key::Key};
+use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     fault::Fault,
     field::FieldHead,
-    state::States,
     transform::WorldFromDevice,
     units::{
         Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, Newtons, NewtonsPerSecond, Radians,
@@ -200,14 +199,4 @@ pub struct FaultEntry {
     pub tick: Ticks,
     /// Why.
     pub fault: Fault,
-}
-
-/// A hash over the layout of every message: equal on both sides, or they do not understand each
-/// other.
-#[must_use]
-pub const fn schema_hash() -> u64 {
-    let down = u64::from_le_bytes(Key::for_path::<Down>("cauldron/down").to_bytes());
-    let up = u64::from_le_bytes(Key::for_path::<Up>("cauldron/up").to_bytes());
-    let states = u64::from_le_bytes(Key::for_path::<States>("cauldron/states").to_bytes());
-    down ^ up.rotate_left(21) ^ states.rotate_left(42)
 }

@@ -30,11 +30,11 @@
 //! An unknown key, a value of the wrong kind and one out of its range are refused with their
 //! line and key.
 
-use std::{fmt, fs, io, ops::Range, path::Path};
+use std::{fmt, fs, io, path::Path};
 
 use super::{
     INDEX, Scene, Wrong,
-    keys::{File, Lines},
+    keys::{File, Lines, line_of},
 };
 
 /// Why there is no scene.
@@ -113,10 +113,6 @@ fn find_base(name: Option<&str>) -> Result<Scene, SceneError> {
     let name = name.unwrap_or("cauldron");
     let row = INDEX.iter().find(|row| row.name == name);
     row.map(|row| (row.make)()).ok_or_else(|| SceneError::Unknown(name.into()))
-}
-
-pub(super) fn line_of(text: &str, span: Range<usize>) -> usize {
-    1 + text.bytes().take(span.start).filter(|b| *b == b'\n').count()
 }
 
 fn one_line(message: &str) -> String {

@@ -5,8 +5,13 @@ use serde::Deserialize;
 use std::ops::Range;
 use toml::Spanned;
 
-use super::{Act, Scene, Wrong, file::line_of};
+use super::{Act, Scene, Wrong};
 use crate::vessel::Vessel;
+
+/// The line, from 1, that a span of `text` begins in.
+pub(super) fn line_of(text: &str, span: Range<usize>) -> usize {
+    1 + text.bytes().take(span.start).filter(|b| *b == b'\n').count()
+}
 
 /// Where each key that the file set stands.
 pub(super) struct Lines<'a> {
