@@ -4,7 +4,7 @@
 use cauldron::world::{Options, World};
 use cauldron_board_sim::Script;
 use cauldron_fluid::scenes::{self, Scene};
-use cauldron_protocol::{State, state::Flags};
+use cauldron_protocol::{Limit, State, Supervisor, state::Flags};
 use cauldron_tests::{Trace, trace::force_n};
 use glam::DVec3;
 
@@ -79,6 +79,25 @@ fn a_coupling_far_beyond_the_step_stays_calm() {
     assert!(resistance_n(&trace) > 0.1, "{} N", resistance_n(&trace));
     assert!(world.host.pot.exchange().residual_rel() <= 1e-5);
     assert!(trace.energy_to_hand_j(1500..3000) < 0.0, "honey takes, it does not give");
+}
+
+/// In a pot at rest one field is sent, and then nothing but Keeps of it.
+#[test]
+fn a_field_that_was_lost_is_sent_again_even_if_nothing_changes() {
+    let mut scene = cauldron();
+    scene.story.acts.clear();
+    let script = Script::resting(DVec3::new(0.0, -0.04, 0.02));
+    let mut world = World::with_script(&scene, script, &Options::new(3));
+    while !world.host.session.is_running() {
+        world.tick().unwrap();
+    }
+    world.host.session.transport.down.loss = 1.0;
+    run(&mut world, 60);
+    world.host.session.transport.down.loss = 0.0;
+    let trace = run(&mut world, 400);
+    let last = trace.states.last().unwrap();
+    assert_eq!(last.supervisor, Supervisor::Running);
+    assert!(last.field_epoch > 0 && !last.limits.contains(Limit::Staleness), "{last:?}");
 }
 
 #[test]

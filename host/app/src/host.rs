@@ -17,6 +17,10 @@ use oorandom::Rand64;
 
 use crate::ledger::Ledger;
 
+/// A field that has not come to act so long after it was sent is lost: its way and its wait take
+/// some 20 ms, and so does the news of it.
+const FIELD_LOST_US: u64 = 60_000;
+
 /// What a field needs to get from the pot to the device, on virtual time. In real time it takes
 /// what it takes, and this is what the host expects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +58,7 @@ pub struct Host<T> {
     next_step_us: u64,
     due: Option<(u64, Update)>,
     setups: u64,
+    field_sent_us: u64,
     probe: Option<State>,
     ledger: Ledger,
     /// States that came with the last poll, oldest first.
@@ -82,6 +87,7 @@ impl<T: Transport> Host<T> {
             next_step_us: step_us,
             due: None,
             setups: 0,
+            field_sent_us: 0,
             probe: None,
             ledger: Ledger::new(f64::from(feel.felt_scale), (step_us / 1000) as u32),
             states: Vec::new(),
@@ -164,9 +170,19 @@ impl<T: Transport> Host<T> {
             until: from.plus((self.step_us / 1000) as u32),
             ahead_s: 1e-6 * ahead_us as f32,
         };
+        if self.is_field_lost(now_us) {
+            self.baker.restart();
+        }
         let update = self.baker.bake(&self.pot, dt_s, life);
         self.send_now(now_us); // the one before, if it still waits
         self.due = Some((now_us + self.compute_us(), update));
+    }
+
+    /// True if the device should have the last field by now and says that it has another: a
+    /// slab was lost, and a Keep of what never came whole keeps nothing.
+    fn is_field_lost(&self, now_us: u64) -> bool {
+        let overdue = now_us.saturating_sub(self.field_sent_us) > FIELD_LOST_US;
+        overdue && self.probe.is_some_and(|state| state.field_epoch != self.baker.epoch())
     }
 
     fn compute_us(&mut self) -> u64 {
@@ -185,6 +201,7 @@ impl<T: Transport> Host<T> {
     fn send_now(&mut self, now_us: u64) {
         match self.due.take() {
             Some((_, Update::Field(field))) => {
+                self.field_sent_us = now_us;
                 self.session.send_field(now_us, &field.head, &field.samples);
             }
             Some((_, Update::Keep(keep))) => self.session.send_keep(now_us, keep),
