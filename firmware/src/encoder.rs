@@ -8,15 +8,13 @@ const TURN_RAD: f32 = core::f32::consts::TAU;
 /// 0.16 m that is 31 rad/s.
 const FASTEST_RAD_PER_S: f32 = 60.0;
 
-/// Farthest a joint may stand from home: [`crate::math::sin_cos`] is right to 50 rad.
-const FARTHEST_RAD: f32 = 12.0;
-
 /// Three incremental encoders.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     home_rad: [f32; 3],
     rad_per_count: [f32; 3],
     largest_jump_counts: [u32; 3],
+    reach_rad: [[f32; 2]; 3],
     last: Option<[i32; 3]>,
 }
 
@@ -30,6 +28,7 @@ impl Encoder {
             rad_per_count,
             largest_jump_counts: rad_per_count
                 .map(|rad| (FASTEST_RAD_PER_S * crate::TICK_S / rad) as u32 + 2),
+            reach_rad: arm.reach.map(|ends| ends.map(|end| end.0)),
             last: None,
         }
     }
@@ -38,8 +37,8 @@ impl Encoder {
     ///
     /// # Errors
     /// [`Fault::EncoderJump`] if a joint moved further than it can in one tick (the new counts
-    /// are taken as the truth from then on), [`Fault::OutsideWorkspace`] if it is turns away
-    /// from home.
+    /// are taken as the truth from then on), [`Fault::OutsideWorkspace`] if it stands where the
+    /// mechanism cannot.
     pub fn read(&mut self, counts: [i32; 3]) -> Result<[f32; 3], Fault> {
         let last = self.last.replace(counts).unwrap_or(counts);
         let jumped = counts
@@ -56,10 +55,9 @@ impl Encoder {
         {
             *angle = home + count as f32 * scale;
         }
-        if angles_rad.iter().any(|a| crate::math::abs(*a) > FARTHEST_RAD) {
-            return Err(Fault::OutsideWorkspace);
-        }
-        Ok(angles_rad)
+        let reached =
+            angles_rad.iter().zip(self.reach_rad).all(|(a, [low, high])| *a >= low && *a <= high);
+        if reached { Ok(angles_rad) } else { Err(Fault::OutsideWorkspace) }
     }
 }
 
@@ -81,11 +79,22 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_beyond_its_stop_is_a_fault() {
+        let mut encoder = Encoder::new(&ARM);
+        let beyond = (2.0 / encoder.rad_per_count[0]) as i32;
+        let readings: Vec<_> =
+            (0..=beyond / 100).map(|i| encoder.read([100 * i, 0, 0]).is_ok()).collect();
+        let stop = readings.iter().position(|ok| !ok).unwrap();
+        let angle = 100.0 * stop as f32 * encoder.rad_per_count[0];
+        assert!((1.8..1.85).contains(&angle), "{angle}");
+    }
+
+    #[test]
     fn a_jump_is_a_fault_and_the_next_reading_is_believed() {
         let mut encoder = Encoder::new(&ARM);
         encoder.read([0, 0, 0]).unwrap();
-        assert_eq!(encoder.read([0, 4000, 0]), Err(Fault::EncoderJump));
-        assert!(encoder.read([0, 4001, 0]).is_ok());
+        assert_eq!(encoder.read([0, 3000, 0]), Err(Fault::EncoderJump));
+        assert!(encoder.read([0, 3001, 0]).is_ok());
         assert_eq!(encoder.read([0, i32::MIN, 0]), Err(Fault::EncoderJump));
         assert_eq!(encoder.read([0, i32::MIN, 0]), Err(Fault::OutsideWorkspace));
     }

@@ -88,14 +88,9 @@ impl Pose {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use cauldron_protocol::units::{Metres, Radians};
     use core::f32::consts::FRAC_PI_4;
 
-    pub(crate) const ARM: Arm = Arm {
-        links: [Metres(0.16), Metres(0.16)],
-        home: [Radians(0.0), Radians(FRAC_PI_4), Radians(-2.0 * FRAC_PI_4)],
-        counts_per_turn: [18_000; 3],
-    };
+    pub(crate) const ARM: Arm = crate::presets::OMNI_LIKE.arm;
 
     #[test]
     fn home_is_the_origin_and_textbook_poses_are_where_they_should_be() {

@@ -16,6 +16,11 @@ pub const OMNI_LIKE: Image = Image {
         links: [Metres(0.16), Metres(0.16)],
         home: [Radians(0.0), Radians(FRAC_PI_4), Radians(-FRAC_PI_2)],
         counts_per_turn: [18_000; 3],
+        reach: [
+            [Radians(-1.8), Radians(1.8)],
+            [Radians(-0.6), Radians(2.1)],
+            [Radians(-2.9), Radians(0.1)],
+        ],
     },
     ceilings: Ceilings { force: Newtons(3.3), slew: NewtonsPerSecond(800.0) },
 };

@@ -4,29 +4,24 @@
 use cauldron_firmware::{
     board::{Board, Sensed},
     device::Device,
+    presets::OMNI_LIKE,
     settings::Image,
     stopwatch::Unwatched,
 };
 use cauldron_protocol::{
     Down, Fault, Kind, Refusal, State, States, Supervisor, Up, Verdict, Vessel, Wall,
     frame::{Decoder, MAX_FRAME, encode_message},
-    message::{Arm, Ceilings, Keep, Modes, Params, RestMedium},
+    message::{Ceilings, Keep, Modes, Params, RestMedium},
     units::{
         Metres, NewtonMetres, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre, NewtonsPerSecond,
-        Radians, Ticks,
+        Ticks,
     },
 };
-use core::f32::consts::FRAC_PI_4;
 use proptest::prelude::*;
 
 const IMAGE: Image = Image {
-    version: [0, 1, 0],
-    arm: Arm {
-        links: [Metres(0.16), Metres(0.16)],
-        home: [Radians(0.0), Radians(FRAC_PI_4), Radians(-2.0 * FRAC_PI_4)],
-        counts_per_turn: [18_000; 3],
-    },
     ceilings: Ceilings { force: Newtons(3.0), slew: NewtonsPerSecond(500.0) },
+    ..OMNI_LIKE
 };
 
 #[derive(Default)]
@@ -180,7 +175,7 @@ fn an_overrun_and_an_encoder_jump_are_safe_in_two_milliseconds() {
         let mut rig = pressing();
         match fault {
             Fault::Overrun => rig.bench.sensed.overrun = true,
-            _ => rig.bench.sensed.counts[1] += 5000,
+            _ => rig.bench.sensed.counts[1] += 3000,
         }
         rig.tick();
         let state = rig.tick();

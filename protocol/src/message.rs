@@ -109,7 +109,7 @@ pub enum Refusal {
 pub struct Identity {
     /// [`crate::PROTOCOL_VERSION`] of the image.
     pub protocol_version: u8,
-    /// [`schema_hash`] of the image: both sides must have the same.
+    /// [`crate::schema_hash`] of the image: both sides must have the same.
     pub schema_hash: u64,
     /// Major, minor, patch.
     pub firmware_version: [u8; 3],
@@ -141,6 +141,8 @@ pub struct Arm {
     pub home: [Radians; 3],
     /// Encoder counts in a full turn of a joint.
     pub counts_per_turn: [i32; 3],
+    /// Joint angles between which the mechanism can stand.
+    pub reach: [[Radians; 2]; 3],
 }
 
 /// Calibration and ceilings; ceilings may only be lowered.

@@ -45,7 +45,7 @@ impl Plant {
     /// Moves on by `tick_s` while the motors are asked for `command_n` at the handle and a hand
     /// that adds `hand_mass_kg` pushes by `hand_n(position, velocity)`.
     ///
-    /// Symplectic Euler, v += a dt, x += v dt, in [`SUBSTEPS`] steps. Coulomb friction takes at
+    /// Symplectic Euler, v += a dt, x += v dt, in ten steps a tick. Coulomb friction takes at
     /// most the momentum that is there, so that it sticks instead of chattering.
     pub fn advance(
         &mut self,
