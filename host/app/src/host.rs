@@ -36,8 +36,9 @@ pub struct Latency {
 impl Latency {
     /// In real time the way takes what it takes; this is what the host counts on.
     pub const LIVE: Self = Self { compute_us: 0, jitter_us: 0, transfer_us: 8_000 };
-    /// 10 ms and 6 ms.
-    pub const DEFAULT: Self = Self { compute_us: 10_000, jitter_us: 1_000, transfer_us: 6_000 };
+    /// 10 ms, and 6 ms with the jitters of both on top: a field that comes before its time waits
+    /// for it, one that comes after it has lost its ramp.
+    pub const DEFAULT: Self = Self { compute_us: 10_000, jitter_us: 1_000, transfer_us: 8_000 };
 
     fn total_us(&self) -> u64 {
         self.compute_us + self.transfer_us

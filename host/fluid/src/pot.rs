@@ -163,7 +163,7 @@ impl Pot {
             self.totals.refused += u64::from(given.is_err());
         }
         if let Some(surface) = &mut self.surface {
-            surface.press(at, (to_surface_n_s / f64::from(dt_s)) as f32);
+            surface.press(at, self.probe_radius_m, (to_surface_n_s / f64::from(dt_s)) as f32);
         }
     }
 

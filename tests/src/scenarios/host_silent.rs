@@ -39,8 +39,8 @@ pub const SCENARIO: Scenario = Scenario {
     },
 };
 
-/// What is still on the way arrives within 16 ms and lives for 10; then 60 ms to the rest.
-const FADED: usize = 2000 + 26 + 60 + 4;
+/// The last field acts from 18 ms on and lives for 10; then 60 ms to the rest.
+const FADED: usize = 2000 + 28 + 60 + 2;
 
 fn short_silence(trace: &Trace) -> Result<(), Wrong> {
     must(!trace.is_limited(2010, Limit::Staleness), || "stale at once".into())?;
@@ -61,7 +61,7 @@ fn short_silence(trace: &Trace) -> Result<(), Wrong> {
 
 fn long_silence(trace: &Trace) -> Result<(), Wrong> {
     let fault = trace.first(2800, |s| s.supervisor == Supervisor::Fault(Fault::HostSilent));
-    must(fault.is_some_and(|t| (3050..3070).contains(&t)), || format!("fault at {fault:?}"))?;
+    must(fault.is_some_and(|t| (3040..3060).contains(&t)), || format!("fault at {fault:?}"))?;
     let safe = fault.unwrap_or(0) + 2;
     let left_n = trace.force_max_n(safe..3400);
     must(left_n <= 0.1, || format!("{left_n} N in a fault"))?;

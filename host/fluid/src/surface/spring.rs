@@ -20,6 +20,8 @@ use super::{
 };
 use crate::{grid::Grid, snapshot::SurfaceView, vessel::Vessel};
 
+/// A probe presses on the nodes around it, however small it is.
+const LEAST_RADIUS_NODES: f32 = 1.5;
 /// Heights and speeds below this are rest, so that rest costs nothing.
 const REST_M: f32 = 1e-8;
 
@@ -91,18 +93,32 @@ impl SpringSheet {
         self.origin_in_world_m.y
     }
 
-    /// A vertical force in newtons on the surface at a world place, for the next step. It is
-    /// shared by the four nodes around, so that it moves smoothly from one to the next; what is
-    /// not finite, or beside the liquid, is left out.
-    pub fn press(&mut self, at_in_world_m: Vec3, force_n: f32) {
-        if !force_n.is_finite() || force_n == 0.0 {
+    /// A vertical force in newtons that a probe of some radius puts on the surface at a world
+    /// place, for the next step. Nodes under the probe share it, most in its middle; what is not
+    /// finite, or beside the liquid, is left out.
+    pub fn press(&mut self, at_in_world_m: Vec3, radius_m: f32, force_n: f32) {
+        if !(force_n.is_finite() && at_in_world_m.is_finite() && radius_m.is_finite()) {
             return;
         }
-        for (node, share) in self.around(at_in_world_m) {
-            if self.wet[node] {
-                self.force_n[node] += share * force_n;
-                self.asleep = false;
+        let at = (at_in_world_m - self.origin_in_world_m) / self.spacing_m;
+        let radius = (radius_m / self.spacing_m).max(LEAST_RADIUS_NODES);
+        let mut under = |sum: &mut dyn FnMut(&mut f32, f32)| {
+            for k in near(at.z, radius, self.nodes[1]) {
+                for i in near(at.x, radius, self.nodes[0]) {
+                    let (x, z) = (i as f32 - at.x, k as f32 - at.z);
+                    let weight = 1.0 - (x * x + z * z) / (radius * radius);
+                    let n = i + self.nodes[0] * k;
+                    if weight > 0.0 && self.wet[n] {
+                        sum(&mut self.force_n[n], weight);
+                    }
+                }
             }
+        };
+        let mut total = 0.0;
+        under(&mut |_, weight| total += weight);
+        if total > 0.0 && force_n != 0.0 {
+            under(&mut |node_n, weight| *node_n += force_n * weight / total);
+            self.asleep = false;
         }
     }
 
@@ -283,6 +299,14 @@ impl SpringSheet {
             layer_decay_m: self.params.layer_decay_m,
         }
     }
+}
+
+/// Nodes along an axis within `radius` of a place, all in node spacings.
+fn near(at: f32, radius: f32, nodes: usize) -> std::ops::Range<usize> {
+    // A float to integer cast saturates.
+    let first = (at - radius).ceil().max(0.0) as usize;
+    let end = ((at + radius).floor() + 1.0).max(0.0) as usize;
+    first.min(nodes)..end.min(nodes)
 }
 
 #[derive(Clone, Copy)]
