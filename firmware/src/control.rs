@@ -166,7 +166,7 @@ impl Control {
             Down::Ping { host_us } => return Some(Up::Pong { host_us, tick: now }),
             Down::ReadFaultLog => return Some(Up::FaultLog(self.watch.log().collect())),
             Down::Field(head) => self.field.begin(now, head, torn),
-            Down::Keep(keep) => self.field.keep(keep),
+            Down::Keep(keep) => self.field.keep(now, keep),
             Down::Configure(config) => self.settings.configure(state, config),
             Down::Vessel(vessel) => self.settings.load_vessel(state, vessel),
             Down::Params(params) => self.settings.load_params(state, params),

@@ -3,7 +3,7 @@
 
 use cauldron_protocol::units::PiconewtonSeconds;
 
-use crate::{TICK_S, math::abs, servo::Wanted, vector::Vec3};
+use crate::{TICK_S, math::clamp, servo::Wanted, vector::Vec3};
 
 const PICO: f32 = 1e12;
 
@@ -31,18 +31,18 @@ impl Ledger {
     }
 }
 
-/// The medium's share of a force that limits may have changed: medium and walls each bear of the
-/// change what they have of the wanted force, axis by axis.
+/// The medium's share of a force that limits may have changed. As far as what acted is the wanted
+/// force made smaller, all that wanted it are made smaller alike; what else a limit did, medium
+/// and walls bear by their weights.
 fn medium_share_n(wanted: &Wanted, acted_n: Vec3) -> Vec3 {
-    let share = |medium: f32, wall: f32, acted: f32| {
-        if medium == 0.0 || wall == 0.0 {
-            return if medium == 0.0 { 0.0 } else { acted };
-        }
-        let part = abs(medium) / (abs(medium) + abs(wall));
-        medium + (acted - (medium + wall)) * part
-    };
-    let (m, w) = (wanted.medium_n, wanted.walls_n);
-    Vec3::new(share(m.x, w.x, acted_n.x), share(m.y, w.y, acted_n.y), share(m.z, w.z, acted_n.z))
+    let (medium_n, total_n) = (wanted.medium_n, wanted.total_n());
+    if acted_n == Vec3::ZERO || medium_n == Vec3::ZERO {
+        return Vec3::ZERO;
+    }
+    let squared = total_n.dot(total_n);
+    let part = if squared > 0.0 { clamp(acted_n.dot(total_n) / squared, 0.0, 1.0) } else { 0.0 };
+    let weight = medium_n.norm() / (medium_n.norm() + wanted.walls_n.norm());
+    medium_n * part + (acted_n - total_n * part) * weight
 }
 
 #[cfg(test)]
@@ -66,8 +66,20 @@ mod tests {
             ..Wanted::default()
         };
         let whole = medium_share_n(&wanted, wanted.total_n());
-        assert_eq!(whole, Vec3::new(1.0, 0.0, 0.0));
+        assert!((whole - Vec3::new(1.0, 0.0, 0.0)).norm() < 1e-6);
         let halved = medium_share_n(&wanted, wanted.total_n() * 0.5);
-        assert_eq!(halved, Vec3::new(0.5, 0.0, 0.0));
+        assert!((halved - Vec3::new(0.5, 0.0, 0.0)).norm() < 1e-6);
+    }
+
+    #[test]
+    fn what_did_not_act_was_not_given() {
+        let wanted = Wanted {
+            medium_n: Vec3::new(1.0, 0.0, 0.0),
+            walls_n: Vec3::new(-1.0, 0.0, 0.5),
+            ..Wanted::default()
+        };
+        assert_eq!(medium_share_n(&wanted, Vec3::ZERO), Vec3::ZERO);
+        let whole = medium_share_n(&wanted, wanted.total_n());
+        assert!((whole - wanted.medium_n).norm() < 1e-6);
     }
 }

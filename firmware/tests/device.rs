@@ -10,7 +10,8 @@ use cauldron_firmware::{
 };
 use cauldron_protocol::{
     Down, Fault, Kind, Refusal, State, States, Supervisor, Up, Verdict, Vessel, Wall,
-    frame::{Decoder, MAX_FRAME, encode_message},
+    field::SlabHead,
+    frame::{Decoder, MAX_FRAME, encode, encode_message},
     message::{Ceilings, Keep, Modes, Params, RestMedium},
     units::{
         Metres, NewtonMetres, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre, NewtonsPerSecond,
@@ -54,6 +55,7 @@ struct Rig {
     device: Device,
     bench: Bench,
     sequence: u16,
+    ticks: u32,
     ups: Vec<Up>,
     decoder: Decoder,
 }
@@ -65,6 +67,7 @@ impl Rig {
             device: Device::new(IMAGE),
             bench: Bench { sensed, ..Bench::default() },
             sequence: 0,
+            ticks: 0,
             ups: Vec::new(),
             decoder: Decoder::default(),
         }
@@ -77,7 +80,14 @@ impl Rig {
         self.bench.to_device.extend_from_slice(bytes);
     }
 
+    /// Says that the first field stays right, which is also a sign of life.
+    fn keep(&mut self) {
+        let valid_until = Ticks(self.ticks + 500);
+        self.say(&Down::Keep(Keep { epoch: 1, valid_until }));
+    }
+
     fn tick(&mut self) -> State {
+        self.ticks += 1;
         let state = self.device.tick(&mut self.bench, &mut Unwatched).state;
         let bytes = std::mem::take(&mut self.bench.from_device);
         let mut rest = &bytes[..];
@@ -123,14 +133,14 @@ fn pressing() -> Rig {
     assert_eq!(rig.verdict(&Down::Arm), Verdict::Accepted);
     let head = cauldron_protocol::field::FieldHead {
         epoch: 1,
-        valid_until: Ticks(1_000_000),
+        valid_until: Ticks(500),
         nodes: [2; 3],
         spacing: Metres(0.01),
         ..Default::default()
     };
     rig.say(&Down::Field(head)); // no channel: whole with its head
     for _ in 0..300 {
-        rig.say(&Down::Ping { host_us: 1 });
+        rig.keep();
         rig.tick();
     }
     rig
@@ -195,7 +205,7 @@ fn an_overrun_and_an_encoder_jump_are_safe_in_two_milliseconds() {
 #[test]
 fn a_keep_for_another_field_is_refused_and_told() {
     let mut rig = pressing();
-    let keep = Keep { epoch: 9, valid_until: Ticks(2_000_000) };
+    let keep = Keep { epoch: 9, valid_until: Ticks(500) };
     assert_eq!(rig.verdict(&Down::Keep(keep)), Verdict::Refused(Refusal::WrongEpoch));
     assert_eq!(rig.tick().last_command.verdict, Verdict::Refused(Refusal::WrongEpoch));
 }
@@ -214,6 +224,36 @@ proptest! {
             let force = rig.tick().force.map(|f| f.0);
             let squared: f32 = force.iter().map(|f| f * f).sum();
             prop_assert!(squared <= 9.0, "{force:?}");
+        }
+    }
+
+    /// Sound frames around hostile bodies: what gets past the CRC must not get past the checks.
+    #[test]
+    fn whatever_messages_come_forces_stay_finite_and_below_the_ceiling(
+        bodies in proptest::collection::vec(
+            (0..11_u8, proptest::collection::vec(any::<u8>(), 0..90)), 1..40),
+        slabs in proptest::collection::vec(any::<u8>(), 0..500),
+    ) {
+        let mut rig = pressing();
+        for (kind, rest) in bodies {
+            let mut frame = [0; MAX_FRAME];
+            rig.sequence += 1;
+            let body = [&[kind][..], &rest].concat();
+            let bytes = encode(Kind::Down, rig.sequence, &mut frame, |room| {
+                room.get_mut(..body.len())?.copy_from_slice(&body);
+                Some(body.len())
+            });
+            rig.bench.to_device.extend_from_slice(bytes.unwrap());
+            rig.sequence += 1;
+            let slab = encode(Kind::FieldSlab, rig.sequence, &mut frame, |room| {
+                SlabHead { epoch: 2, index: 0 }.join(&slabs, room)
+            });
+            rig.bench.to_device.extend_from_slice(slab.unwrap());
+            for _ in 0..3 {
+                let force = rig.tick().force.map(|f| f.0);
+                let squared: f32 = force.iter().map(|f| f * f).sum();
+                prop_assert!(squared <= 9.0, "{force:?}");
+            }
         }
     }
 }

@@ -26,6 +26,6 @@ pub fn record(path: &Path, seed: u64) -> ExitCode {
         return ExitCode::from(2);
     }
     let (ticks, hash) = tape::play(recorded, OMNI_LIKE, &mut Unwatched);
-    println!("ticks {ticks}\ntrace_hash {hash:#018x}");
+    crate::say(&format!("ticks {ticks}\ntrace_hash {hash:#018x}"));
     ExitCode::SUCCESS
 }

@@ -48,8 +48,15 @@ fn a_thick_liquid_costs_at_least_twice_the_force_of_a_thin_one() {
 fn a_resting_hand_is_given_no_more_than_a_millijoule() {
     let mut scene = cauldron();
     scene.story.acts.clear();
-    // In the liquid, on its surface, and leaning on the pot.
-    let places = [[0.0, -0.04, 0.02], [0.0, -0.001, 0.0], [0.0, -0.04, 0.0548]];
+    // In the liquid, at its surface, and leaning on the pot.
+    let places = [
+        [0.0, -0.04, 0.02],
+        [0.0, -0.0003, 0.0],
+        [0.0, -0.0005, 0.0],
+        [0.0, -0.0008, 0.0],
+        [0.0, -0.002, 0.0],
+        [0.0, -0.04, 0.0548],
+    ];
     for (start, seed) in places.map(DVec3::from_array).into_iter().flat_map(|p| [(p, 3), (p, 4)]) {
         let mut world = World::with_script(&scene, Script::resting(start), &Options::new(seed));
         let trace = run(&mut world, 10_000);
@@ -98,6 +105,26 @@ fn a_field_that_was_lost_is_sent_again_even_if_nothing_changes() {
     let last = trace.states.last().unwrap();
     assert_eq!(last.supervisor, Supervisor::Running);
     assert!(last.field_epoch > 0 && !last.limits.contains(Limit::Staleness), "{last:?}");
+}
+
+/// The medium at rest that a stale field fades to must only ever resist, however thick it is.
+#[test]
+fn a_silent_host_leaves_a_thick_liquid_that_only_resists() {
+    for viscosity_m2_s in [0.05, 1.0, 1e4] {
+        let mut scene = cauldron();
+        if let Some(liquid) = &mut scene.liquid {
+            liquid.viscosity_m2_s = viscosity_m2_s;
+        }
+        let mut world = World::new(&scene, &Options::new(1));
+        run(&mut world, 2000);
+        let silent: Vec<State> = (0..240).map(|_| world.tick_device()).collect();
+        for pair in silent[100..].windows(2) {
+            let velocity = DVec3::from_array(pair[1].velocity.map(|v| f64::from(v.0)));
+            assert!(force_n(&pair[1]).dot(velocity) <= 1e-9, "nu {viscosity_m2_s}: it drives");
+            let jump_n = (force_n(&pair[1]) - force_n(&pair[0])).length();
+            assert!(jump_n < 0.1, "nu {viscosity_m2_s}: {jump_n} N in a tick");
+        }
+    }
 }
 
 #[test]

@@ -33,6 +33,13 @@ const FADED_TICKS: i32 = 60;
 /// A medium that went stale comes back over this many ticks.
 const RECOVERY_TICKS: f32 = 100.0;
 
+/// A field may be promised for so long: one that never went stale would outlive its host.
+const LONGEST_TICKS: i32 = 1000;
+
+fn is_near(now: Ticks, until: Ticks) -> bool {
+    until.since(now) <= LONGEST_TICKS
+}
+
 /// The medium at a point, in device metres and felt newtons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Medium {
@@ -142,7 +149,7 @@ impl Field {
         if self.shelf.receiving().is_open() {
             count(torn);
         }
-        if !self.shelf.receiving().begin(head) {
+        if !(is_near(now, head.valid_until) && self.shelf.receiving().begin(head)) {
             return Err(Refusal::BadField);
         }
         if !self.shelf.receiving().is_open() {
@@ -171,8 +178,12 @@ impl Field {
     /// Prolongs the newest whole field; its ramp ends where the field itself said.
     ///
     /// # Errors
-    /// [`Refusal::WrongEpoch`] if `keep` names another one.
-    pub fn keep(&mut self, keep: Keep) -> Result<(), Refusal> {
+    /// [`Refusal::WrongEpoch`] if `keep` names another one, [`Refusal::BadValue`] if it would keep
+    /// it for longer than a second.
+    pub fn keep(&mut self, now: Ticks, keep: Keep) -> Result<(), Refusal> {
+        if !is_near(now, keep.valid_until) {
+            return Err(Refusal::BadValue);
+        }
         let newest = if self.has_waiting { self.shelf.waiting_mut() } else { self.shelf.to_mut() };
         if newest.head.epoch != keep.epoch || keep.epoch == 0 {
             return Err(Refusal::WrongEpoch);
@@ -211,9 +222,12 @@ impl Field {
         {
             self.start_ramp(now);
         }
-        let late = now.since(self.shelf.to().expires) - HELD_TICKS;
+        if !self.acting {
+            return 0.0;
+        }
+        let late = now.since(self.shelf.to().expires).saturating_sub(HELD_TICKS);
         let known = 1.0 - late as f32 / (FADED_TICKS - HELD_TICKS) as f32;
-        let target = if self.acting { clamp(known, 0.0, 1.0) } else { 0.0 };
+        let target = clamp(known, 0.0, 1.0);
         let step = clamp(target - self.freshness, -1.0, 1.0 / RECOVERY_TICKS);
         self.freshness += step;
         self.freshness

@@ -134,7 +134,7 @@ fn a_stale_field_is_held_faded_and_comes_back() {
     let (fresh, medium) = flow_at(&mut field, 70);
     assert_eq!((fresh, medium.flow_m_s.x), (0.0, 0.0));
     assert_eq!(medium.surface.map(|s| s.stiffness_n_per_m), Some(0.0));
-    field.keep(Keep { epoch: 1, valid_until: Ticks(500) }).unwrap();
+    field.keep(Ticks(70), Keep { epoch: 1, valid_until: Ticks(500) }).unwrap();
     let (fresh, _) = flow_at(&mut field, 71);
     assert!(fresh > 0.0 && fresh < 0.02, "a ramp, not a step: {fresh}");
     for tick in 72..180 {
@@ -148,11 +148,14 @@ fn keep_prolongs_the_field_it_names_and_no_other() {
     let mut field = Field::default();
     send(&mut field, 7, [0, 10], |_| 0.4);
     field.advance(Ticks(0));
-    assert_eq!(field.keep(Keep { epoch: 6, valid_until: Ticks(90) }), Err(Refusal::WrongEpoch));
+    assert_eq!(
+        field.keep(Ticks(0), Keep { epoch: 6, valid_until: Ticks(90) }),
+        Err(Refusal::WrongEpoch)
+    );
     assert_eq!(field.advance(Ticks(69)), 1.0 - 29.0 / 30.0);
     let mut field = Field::default();
     send(&mut field, 7, [0, 10], |_| 0.4);
-    field.keep(Keep { epoch: 7, valid_until: Ticks(90) }).unwrap();
+    field.keep(Ticks(0), Keep { epoch: 7, valid_until: Ticks(90) }).unwrap();
     assert_eq!(field.advance(Ticks(69)), 1.0);
 }
 
@@ -184,4 +187,18 @@ fn fields_from_a_host_whose_clock_runs_ahead_act_all_the_same() {
         field.advance(Ticks(10 * epoch));
     }
     assert_eq!(field.epoch(), 4, "the last but one acts, the last waits");
+}
+
+#[test]
+fn nothing_is_promised_for_longer_than_a_second_and_time_may_wrap() {
+    let mut field = Field::default();
+    let head = send(&mut field, 1, [0, 10], |_| 0.4);
+    let forever = FieldHead { epoch: 2, valid_until: Ticks(1001), ..head };
+    assert_eq!(field.begin(Ticks(0), forever, &mut 0), Err(Refusal::BadField));
+    let keep = Keep { epoch: 1, valid_until: Ticks(i32::MAX as u32) };
+    assert_eq!(field.keep(Ticks(0), keep), Err(Refusal::BadValue));
+    for now in [1 << 31, (1 << 31) + 20, u32::MAX - 3, 3] {
+        assert_eq!(Field::default().advance(Ticks(now)), 0.0);
+        field.advance(Ticks(now));
+    }
 }

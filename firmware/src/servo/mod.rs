@@ -68,9 +68,9 @@ impl Servo {
         vessel: &Vessel,
     ) -> Wanted {
         let mut wanted = Wanted { proxy_m: position_m, ..Wanted::default() };
-        wanted.contact = self.surface.update(modes.surface, position_m, medium);
+        wanted.contact = self.surface.update(modes.surface, position_m, velocity_m_s, medium);
         if modes.surface {
-            wanted.medium_n += surface::force_n(wanted.contact, position_m, medium);
+            wanted.medium_n += surface::force_n(wanted.contact, position_m, velocity_m_s, medium);
         }
         if wanted.contact == Contact::Wet {
             wanted.medium_n += in_medium_n(modes, velocity_m_s, medium);

@@ -83,7 +83,7 @@ pub struct RunArgs {
     #[arg(long, default_value_t = 5.0, value_parser = frames_per_second)]
     pub fps: f64,
     /// Cells along the box's longest edge, instead of the scene's own
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=128))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=128))]
     pub grid: Option<u16>,
     /// Threads of the fluid; by default as many as there are cores, at most 2
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=64))]

@@ -34,6 +34,10 @@ pub struct Totals {
     pub refused: u64,
 }
 
+/// A probe that cuts the surface damps it by its contact stiffness times this: more than the
+/// time in which the hand's push comes back as a field, or the two would swing each other up.
+const CONTACT_DAMPING_S: f32 = 0.06;
+
 /// A pot.
 pub struct Pot {
     grid: Grid,
@@ -122,11 +126,14 @@ impl Pot {
         self.drag
     }
 
-    /// Mass of liquid that the probe's impulse moves at once, where it is now.
+    /// Mass of liquid that the probe's impulse moves at once: where it is now, or in the middle
+    /// of the pot if that is less, since it may be there before the next field is.
     #[must_use]
     pub fn moved_mass_kg(&self) -> Option<f64> {
         let flow = self.flow.as_ref()?;
-        Some(flow.effective_mass_kg(self.probe_in_world_m, self.probe_radius_m))
+        let middle = self.grid.origin_in_world_m + 0.5 * self.grid.extent_m();
+        let mass_kg = |at| flow.effective_mass_kg(at, self.probe_radius_m);
+        Some(mass_kg(self.probe_in_world_m).min(mass_kg(middle)))
     }
 
     /// Radius of the probe.
@@ -163,7 +170,12 @@ impl Pot {
             self.totals.refused += u64::from(given.is_err());
         }
         if let Some(surface) = &mut self.surface {
-            surface.press(at, self.probe_radius_m, (to_surface_n_s / f64::from(dt_s)) as f32);
+            let depth_m = surface.rest_height_in_world_m() + surface.at(at).0 - at.y;
+            let cuts = depth_m.abs() < self.probe_radius_m;
+            let stiffness = surface.params().contact_stiffness_n_per_m;
+            let damping = if cuts { CONTACT_DAMPING_S * stiffness } else { 0.0 };
+            let push_n = (to_surface_n_s / f64::from(dt_s)) as f32;
+            surface.touch(at, self.probe_radius_m, push_n, damping);
         }
     }
 

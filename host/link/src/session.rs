@@ -102,6 +102,20 @@ impl Step {
     }
 }
 
+/// What a step has asked: an answer that comes only after the retry is an answer too.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    first: u16,
+    last: u16,
+    at_us: u64,
+}
+
+impl Asked {
+    fn is_answered_by(&self, sequence: u16) -> bool {
+        sequence.wrapping_sub(self.first) <= self.last.wrapping_sub(self.first)
+    }
+}
+
 /// What the session counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -126,7 +140,7 @@ pub struct Session<T> {
     pub transport: T,
     setup: Setup,
     step: Step,
-    asked: Option<(u16, u64)>,
+    asked: Option<Asked>,
     sequence: u16,
     decoder: Decoder,
     bytes: Vec<u8>,
@@ -250,7 +264,7 @@ impl<T: Transport> Session<T> {
         for state in &self.states {
             self.heard_us = now_us;
             self.counts.states += 1;
-            let gap = self.newest.map_or(0, |newest| state.tick.since(newest) - 1);
+            let gap = self.newest.map_or(0, |newest| state.tick.since(newest).saturating_sub(1));
             if gap < 0 {
                 self.clock.restart(); // the device started anew
             }
@@ -272,7 +286,7 @@ impl<T: Transport> Session<T> {
         self.heard_us = now_us;
         match up {
             Up::Hello(identity) => self.meet(identity),
-            Up::Ack { sequence, verdict } => self.judge(now_us, sequence, verdict),
+            Up::Ack { sequence, verdict } => self.judge(sequence, verdict),
             Up::Pong { .. } | Up::FaultLog(_) => Ok(()),
         }
     }
@@ -289,15 +303,15 @@ impl<T: Transport> Session<T> {
         Ok(())
     }
 
-    fn judge(&mut self, now_us: u64, sequence: u16, verdict: Verdict) -> Result<(), SessionError> {
-        if self.asked.is_none_or(|(asked, _)| asked != sequence) {
+    fn judge(&mut self, sequence: u16, verdict: Verdict) -> Result<(), SessionError> {
+        let Some(asked) = self.asked.filter(|asked| asked.is_answered_by(sequence)) else {
             return Ok(()); // the answer to something older
-        }
+        };
         match verdict {
             Verdict::Accepted => self.advance(),
             // These pass: the cause of a fault goes away, a hand comes back to the grip.
             Verdict::Refused(Refusal::FaultStands | Refusal::DeadmanOpen) => {
-                self.asked = Some((sequence.wrapping_sub(1), now_us));
+                self.asked = Some(Asked { first: self.sequence, last: self.sequence, ..asked });
             }
             Verdict::Refused(Refusal::WrongState) => {
                 self.step = Step::Disarm;
@@ -326,10 +340,11 @@ impl<T: Transport> Session<T> {
     }
 
     fn say_what_is_due(&mut self, now_us: u64) {
-        let waited_us = self.asked.map_or(u64::MAX, |(_, when_us)| now_us.saturating_sub(when_us));
+        let waited_us = self.asked.map_or(u64::MAX, |asked| now_us.saturating_sub(asked.at_us));
         if self.step != Step::Run && waited_us > RETRY_US {
             let command = self.command();
-            self.asked = Some((self.sequence, now_us));
+            let first = self.asked.map_or(self.sequence, |asked| asked.first);
+            self.asked = Some(Asked { first, last: self.sequence, at_us: now_us });
             self.say(now_us, &command);
         } else if now_us.saturating_sub(self.spoke_us) >= HEARTBEAT_US {
             self.say(now_us, &Down::Ping { host_us: now_us as u32 });

@@ -122,6 +122,7 @@ impl Board for SimBoard {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::script::Act;
     use cauldron_firmware::presets::OMNI_LIKE;
 
     fn board(seed: u64) -> SimBoard {
@@ -130,8 +131,11 @@ mod tests {
     }
 
     fn counts(seed: u64) -> Vec<[i32; 3]> {
-        let mut board = board(seed);
-        (0..50).map(|_| (board.sense().counts, board.advance()).0).collect()
+        let there = Act::Reach { to_m: DVec3::new(0.0, 0.03, 0.0), seconds: 0.2 };
+        let script = Script::new(DVec3::ZERO, &[there], Vec::new());
+        let omni = PlantParams::OMNI_LIKE;
+        let mut board = SimBoard::new(&OMNI_LIKE, omni, Grip::RELAXED, script, seed);
+        (0..200).map(|_| (board.sense().counts, board.advance()).0).collect()
     }
 
     #[test]

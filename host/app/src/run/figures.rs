@@ -2,7 +2,7 @@
 
 use cauldron_fluid::scenes::Scene;
 use cauldron_link::Transport;
-use cauldron_protocol::{Limit, State, state::Flags};
+use cauldron_protocol::{Limit, State, Supervisor, state::Flags};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -42,7 +42,7 @@ pub struct Figures {
     pub world_scale: f32,
     /// Ticks that the host heard of.
     pub ticks: usize,
-    /// Ticks of which it did not, or that overran.
+    /// Ticks between them of which it did not.
     pub ticks_missed: u64,
     /// Ticks that began late; real time only.
     pub ticks_late: u64,
@@ -85,6 +85,10 @@ pub struct Figures {
     pub guard_actions: u64,
     /// Frames that the device dropped.
     pub frames_dropped: u32,
+    /// Times that the device was set up and armed.
+    pub setups: u64,
+    /// Times that it went into a fault.
+    pub faults: usize,
     /// CPU time of all threads, without pictures.
     pub cpu_s: f64,
     /// Time by the wall, without pictures.
@@ -139,6 +143,8 @@ impl Figures {
             energy_to_hand_j: energy_to_hand_j(states),
             guard_actions: totals.guard_actions,
             frames_dropped: states.last().map_or(0, |s| s.drops.total()),
+            setups: counts.setups,
+            faults: faults(states),
             cpu_s: run.clock.cpu.as_secs_f64(),
             wall_s: run.clock.wall.as_secs_f64(),
             trace_hash: format!("{:#018x}", record.hash()),
@@ -246,6 +252,11 @@ fn pops(states: &[State]) -> usize {
     let broke =
         |w: &&[State]| w[0].flags.contains(Flags::ON_SURFACE) && w[1].flags.contains(Flags::WET);
     states.windows(2).filter(broke).count()
+}
+
+fn faults(states: &[State]) -> usize {
+    let is_fault = |s: &State| matches!(s.supervisor, Supervisor::Fault(_));
+    states.windows(2).filter(|w| !is_fault(&w[0]) && is_fault(&w[1])).count()
 }
 
 /// Sum of f_k . (x_k+1 - x_k).

@@ -18,6 +18,7 @@ use cauldron_fluid::{
     simd::SimdClass,
 };
 use cauldron_link::{Faults, SessionError, Transport};
+use cauldron_protocol::Supervisor;
 use cpu_time::ProcessTime;
 use std::{
     io::Write,
@@ -57,11 +58,18 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let host = if args.real_time { show.play_live(world)? } else { show.play(world)? };
     let run = Run { scene: &scene, options: &options, host: &host, clock: show.clock };
     let figures = Figures::of(&run, &show.record);
-    show.record.write_csv(&output.file("run.csv"))?;
+    show.record.write_csv(&output.file("run.csv")?)?;
     show.pictures.finish(&show.record)?;
     output.write("run.json", figures.json().as_bytes())?;
     let text = if args.json { figures.json() } else { figures.table(&output) };
-    writeln!(std::io::stdout(), "{text}").map_err(|e| Failure::Input(format!("stdout: {e}")))
+    writeln!(std::io::stdout(), "{text}").map_err(|e| Failure::Input(format!("stdout: {e}")))?;
+    match show.record.states().last().map(|state| state.supervisor) {
+        Some(Supervisor::Fault(fault)) => Err(Failure::Device(format!(
+            "the device ended in fault {} ({fault:?})",
+            fault.number()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 fn scene(args: &RunArgs) -> Result<Scene, Failure> {
@@ -87,6 +95,9 @@ fn options(args: &RunArgs) -> Options {
     }
     options
 }
+
+/// A device that is silent for so long will not speak again.
+const LONGEST_SILENCE: Duration = Duration::from_secs(5);
 
 /// What the loop took, without its pictures.
 #[derive(Clone, Copy, Debug, Default)]
@@ -132,6 +143,7 @@ impl Show<'_> {
         let device = LiveDevice::start(world.device)
             .map_err(|e| Failure::Device(format!("no thread for the device: {e}")))?;
         let (watch, started, mut pace) = (Watch::start(), Instant::now(), Pace::new());
+        let mut heard = Duration::ZERO;
         while self.record.len() < self.ticks {
             pace.wait();
             let now = started.elapsed();
@@ -139,6 +151,11 @@ impl Show<'_> {
             self.take(&host);
             if self.pictures.is_due(now.as_secs_f64()) {
                 self.pictures.take(&host)?;
+            }
+            heard = if host.states.is_empty() { heard } else { now };
+            if now - heard > LONGEST_SILENCE {
+                let seconds = LONGEST_SILENCE.as_secs();
+                return Err(Failure::Device(format!("the device said nothing for {seconds} s")));
             }
         }
         watch.stop(&mut self.clock);

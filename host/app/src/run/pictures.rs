@@ -115,7 +115,7 @@ impl<'a> Pictures<'a> {
     }
 
     fn write(&self, name: &str, canvas: &Canvas) -> Result<(), Failure> {
-        png::write(self.output.file(name), canvas).map_err(|e| Failure::Input(e.to_string()))
+        png::write(self.output.file(name)?, canvas).map_err(|e| Failure::Input(e.to_string()))
     }
 }
 

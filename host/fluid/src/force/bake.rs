@@ -7,7 +7,8 @@
 //!
 //! The loop through the hand closes only after the field has travelled: a drag that could stop
 //! the liquid it moves within that time would overshoot and swing. So the drag that is sent is
-//! at most the moved mass over the loop's time, whatever the liquid (with c dt/m above 1: honey).
+//! at most the moved mass over the loop's time, whatever the liquid (with c dt/m above 1: honey),
+//! and at most what the device's own loop can hold, whose velocity is some 6 ms late.
 
 use cauldron_protocol::{
     WorldFromDevice,
@@ -53,6 +54,10 @@ pub enum Update {
     /// Nothing changed by a quantum.
     Keep(Keep),
 }
+
+/// Drag at the hand that the device's own loop holds with ease: a hand and a handle of 0.1 kg,
+/// over twice the lag of its velocity.
+const MOST_FELT_N_S_PER_M: f64 = 10.0;
 
 /// Values of a channel at the window's nodes.
 type Nodes = Vec<f32>;
@@ -218,7 +223,8 @@ impl Baker {
     /// The drag, held below what the loop can follow.
     fn bounded_drag(&self, pot: &Pot) -> Drag {
         let Some(mass_kg) = pot.moved_mass_kg() else { return self.drag };
-        let most_n_s_per_m = mass_kg / self.loop_s;
+        let felt = f64::from(self.felt_scale * self.world_from_device.scale);
+        let most_n_s_per_m = (mass_kg / self.loop_s).min(MOST_FELT_N_S_PER_M / felt);
         let brisk = self.drag.force_n(Drag::FITTED_TO_M_S) / Drag::FITTED_TO_M_S;
         self.drag.scaled((most_n_s_per_m / brisk).min(1.0))
     }

@@ -11,6 +11,7 @@ pub struct Exchange {
     carried_n_s: DVec3,
     given_n_s: f64,
     error_n_s: f64,
+    untaken_n_s: f64,
 }
 
 impl Exchange {
@@ -30,6 +31,10 @@ impl Exchange {
         if owed_n_s == DVec3::ZERO {
             return Ok(());
         }
+        if !flow.effective_mass_kg(centre_in_world_m, radius_m).is_finite() {
+            self.untaken_n_s += impulse_n_s.length();
+            return Ok(()); // no liquid is in reach to take it
+        }
         let before = flow.momentum_n_s();
         flow.push(centre_in_world_m, radius_m, owed_n_s)?;
         let change = flow.momentum_n_s() - before;
@@ -43,6 +48,12 @@ impl Exchange {
     #[must_use]
     pub fn given_n_s(&self) -> f64 {
         self.given_n_s
+    }
+
+    /// Sum of |J| that no liquid was there to take: of a probe beside the pot.
+    #[must_use]
+    pub fn untaken_n_s(&self) -> f64 {
+        self.untaken_n_s
     }
 
     /// Sum over all exchanges of |change of the liquid's momentum - J|, over the sum of |J|;

@@ -82,6 +82,13 @@ impl Scene {
             place("vessel.centre_m", centre_in_world_m)?;
             let widest = 0.5 * self.grid.extent_m().max_element();
             number("vessel.radius_m", radius_m, Bound::new(1e-3, widest))?;
+            let low = self.grid.origin_in_world_m;
+            let high = low + self.grid.extent_m();
+            let inside = centre_in_world_m.clamp(low, high) == centre_in_world_m;
+            if !inside {
+                let must = format!("must be in the grid's box, from {low} to {high}");
+                return Err(wrong("vessel.centre_m", &centre_in_world_m, must));
+            }
         }
         number("step_s", self.step_s, Bound::new(1e-3, 0.1))
     }
@@ -105,7 +112,12 @@ impl Scene {
 
     fn check_feel(&self) -> Result<(), Wrong> {
         let feel = &self.feel;
-        number("probe.radius_m", self.probe.radius_m, Bound::new(1e-4, 0.5))?;
+        let half_edge_m = 0.5 * self.grid.extent_m().min_element();
+        let room_m = match self.vessel {
+            Vessel::Box => half_edge_m,
+            Vessel::Pot { radius_m, .. } => radius_m.min(half_edge_m),
+        };
+        number("probe.radius_m", self.probe.radius_m, Bound::new(1e-4, 0.8 * room_m))?;
         number("feel.felt_scale", feel.felt_scale, Bound::new(1e-3, 1e3))?;
         number("feel.scale", feel.world_from_device.scale, Bound::new(1e-2, 1e2))?;
         place("feel.offset_m", feel.world_from_device.offset_m.into())?;
@@ -159,6 +171,10 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
         );
         return Err(wrong("surface.tension_n_per_m", &surface.tension_n_per_m, must));
     }
+    let at_the_hand = scene.feel.felt_scale * scene.feel.world_from_device.scale;
+    let stiffest = 2000.0 / at_the_hand;
+    let stiffness = surface.contact_stiffness_n_per_m;
+    number("surface.contact_stiffness_n_per_m", stiffness, Bound::new(0.0, stiffest))?;
     if scene.liquid.is_none() {
         return Err(wrong("surface", &"on", "a surface needs a [liquid]".into()));
     }

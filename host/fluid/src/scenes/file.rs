@@ -32,6 +32,8 @@
 
 use std::{fmt, fs, io, path::Path};
 
+use toml::Spanned;
+
 use super::{
     INDEX, Scene, Wrong,
     keys::{File, Lines, line_of},
@@ -92,9 +94,14 @@ pub fn find(name: &str) -> Result<Scene, SceneError> {
 pub fn read(path: &str, text: &str) -> Result<Scene, SceneError> {
     let file: File = toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| line_of(text, span));
-        SceneError::Malformed(path.into(), line, one_line(error.message()))
+        let what = one_line(error.message());
+        let said = match key_in(text, line).filter(|key| !what.contains(*key)) {
+            Some(key) => format!("{key}: {what}"),
+            None => what,
+        };
+        SceneError::Malformed(path.into(), line, said)
     })?;
-    let mut scene = find_base(file.base.as_deref())?;
+    let mut scene = base(path, text, file.base.as_ref())?;
     if file.name.is_none() {
         scene.name =
             Path::new(path).file_stem().map_or("scene".into(), |s| s.to_string_lossy().into());
@@ -109,10 +116,20 @@ pub fn read(path: &str, text: &str) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-fn find_base(name: Option<&str>) -> Result<Scene, SceneError> {
-    let name = name.unwrap_or("cauldron");
-    let row = INDEX.iter().find(|row| row.name == name);
-    row.map(|row| (row.make)()).ok_or_else(|| SceneError::Unknown(name.into()))
+fn base(path: &str, text: &str, name: Option<&Spanned<String>>) -> Result<Scene, SceneError> {
+    let wanted = name.map_or("cauldron", |name| name.get_ref().as_str());
+    let row = INDEX.iter().find(|row| row.name == wanted);
+    row.map(|row| (row.make)()).ok_or_else(|| {
+        let line = name.map_or(1, |name| line_of(text, name.span()));
+        let what = format!("base: {}", SceneError::Unknown(wanted.into()));
+        SceneError::Malformed(path.into(), line, what)
+    })
+}
+
+/// The key that a line sets.
+fn key_in(text: &str, line: usize) -> Option<&str> {
+    let (key, _) = text.lines().nth(line.checked_sub(1)?)?.split_once('=')?;
+    Some(key.trim()).filter(|key| !key.is_empty())
 }
 
 fn one_line(message: &str) -> String {
@@ -159,7 +176,12 @@ mod tests {
             ("[liquid]\nviscosity_m2_s = -1.0\n", 2, "liquid.viscosity_m2_s = -1"),
             ("step_s = inf\n", 1, "step_s = inf"),
             ("[feel]\nfelt_scal = 2.0\n", 2, "felt_scal"),
-            ("[liquid]\ndensity_kg_m3 = \"thick\"\n", 2, "invalid type"),
+            ("[liquid]\ndensity_kg_m3 = \"thick\"\n", 2, "density_kg_m3: invalid type"),
+            ("\n[grid]\ncells = [32, 32]\n", 3, "cells"),
+            ("name = \"x\"\nbase = \"honey\"\n", 2, "base"),
+            ("[surface]\ndrag_n_s_per_m3 = 1e7\n", 2, "sub-steps"),
+            ("[probe]\nradius_m = 0.2\n", 2, "probe.radius_m"),
+            ("[vessel]\ncentre_m = [1.0, 0.0, 0.0]\n", 2, "vessel.centre_m"),
             ("[liquid\n", 1, ""),
             ("[surface]\ntension_n_per_m = 1e7\n", 2, "sub-steps"),
             ("base = \"empty\"\n[surface]\nbend = 0.1\n", 2, "no surface"),

@@ -21,7 +21,11 @@ pub(super) struct Lines<'a> {
 
 impl Lines<'_> {
     pub(super) fn line_of_key(&self, key: &str) -> Option<usize> {
-        let (_, span) = self.seen.iter().find(|(seen, _)| *seen == key)?;
+        let table = key.split('.').next()?;
+        let same = |seen: &&(&str, Range<usize>)| seen.0 == key;
+        let beside = |seen: &&(&str, Range<usize>)| seen.0.split('.').next() == Some(table);
+        // What does not fit may be another key of the table: the one that the file set.
+        let (_, span) = self.seen.iter().find(same).or(self.seen.iter().find(beside))?;
         Some(line_of(self.text, span.clone()))
     }
 
@@ -60,7 +64,7 @@ pub(super) type Misfit = (Range<usize>, Wrong);
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
-    pub(super) base: Option<String>,
+    pub(super) base: Option<Spanned<String>>,
     pub(super) name: Option<String>,
     about: Option<String>,
     step_s: Number,

@@ -37,6 +37,9 @@ pub struct SpringSheet {
     wet_count: usize,
     motion: Motion,
     force_n: Vec<f32>,
+    damping_n_s_per_m: Vec<f32>,
+    /// Nodes under the probe and their weights; kept for its room.
+    under: Vec<(usize, f32)>,
     asleep: bool,
     stage: Motion,
     slope: Motion,
@@ -68,6 +71,8 @@ impl SpringSheet {
             wet,
             motion: Motion::zeros(len),
             force_n: vec![0.0; len],
+            damping_n_s_per_m: vec![0.0; len],
+            under: Vec::with_capacity(len),
             asleep: true,
             stage: Motion::zeros(len),
             slope: Motion::zeros(len),
@@ -93,32 +98,44 @@ impl SpringSheet {
         self.origin_in_world_m.y
     }
 
-    /// A vertical force in newtons that a probe of some radius puts on the surface at a world
-    /// place, for the next step. Nodes under the probe share it, most in its middle; what is not
-    /// finite, or beside the liquid, is left out.
-    pub fn press(&mut self, at_in_world_m: Vec3, radius_m: f32, force_n: f32) {
-        if !(force_n.is_finite() && at_in_world_m.is_finite() && radius_m.is_finite()) {
+    /// What a probe of some radius does to the surface at a world place during the next step: it
+    /// pushes by a vertical force in newtons, and damps what is under it. Nodes under the probe
+    /// share both, most in its middle; what is not finite, or beside the liquid, is left out.
+    pub fn touch(
+        &mut self,
+        at_in_world_m: Vec3,
+        radius_m: f32,
+        force_n: f32,
+        damping_n_s_per_m: f32,
+    ) {
+        let finite = force_n.is_finite() && damping_n_s_per_m.is_finite() && radius_m.is_finite();
+        let idle = force_n == 0.0 && self.asleep;
+        if !finite || idle || !at_in_world_m.is_finite() {
             return;
         }
+        self.find_under(at_in_world_m, radius_m);
+        let total: f32 = self.under.iter().map(|(_, weight)| weight).sum();
+        for &(node, weight) in &self.under {
+            self.force_n[node] += force_n * weight / total;
+            self.damping_n_s_per_m[node] += damping_n_s_per_m.max(0.0) * weight / total;
+            self.asleep = false;
+        }
+    }
+
+    /// Wet nodes under a probe and their weights, which fall from 1 in its middle to 0.
+    fn find_under(&mut self, at_in_world_m: Vec3, radius_m: f32) {
         let at = (at_in_world_m - self.origin_in_world_m) / self.spacing_m;
         let radius = (radius_m / self.spacing_m).max(LEAST_RADIUS_NODES);
-        let mut under = |sum: &mut dyn FnMut(&mut f32, f32)| {
-            for k in near(at.z, radius, self.nodes[1]) {
-                for i in near(at.x, radius, self.nodes[0]) {
-                    let (x, z) = (i as f32 - at.x, k as f32 - at.z);
-                    let weight = 1.0 - (x * x + z * z) / (radius * radius);
-                    let n = i + self.nodes[0] * k;
-                    if weight > 0.0 && self.wet[n] {
-                        sum(&mut self.force_n[n], weight);
-                    }
+        self.under.clear();
+        for k in near(at.z, radius, self.nodes[1]) {
+            for i in near(at.x, radius, self.nodes[0]) {
+                let (x, z) = (i as f32 - at.x, k as f32 - at.z);
+                let weight = 1.0 - (x * x + z * z) / (radius * radius);
+                let node = i + self.nodes[0] * k;
+                if weight > 0.0 && self.wet[node] {
+                    self.under.push((node, weight));
                 }
             }
-        };
-        let mut total = 0.0;
-        under(&mut |_, weight| total += weight);
-        if total > 0.0 && force_n != 0.0 {
-            under(&mut |node_n, weight| *node_n += force_n * weight / total);
-            self.asleep = false;
         }
     }
 
@@ -161,16 +178,25 @@ impl SpringSheet {
         if self.asleep {
             return 0;
         }
-        let substeps = self.params.substeps(self.spacing_m, dt_s).min(8.0 * MOST_SUBSTEPS);
-        let most_s = STABLE / self.params.fastest_per_s(self.spacing_m);
+        let most_s = STABLE / self.fastest_per_s();
+        let substeps = (dt_s / most_s).ceil().clamp(1.0, 8.0 * MOST_SUBSTEPS);
         let sub_s = (dt_s / substeps).min(most_s);
         for _ in 0..substeps as u32 {
             self.runge_kutta(sub_s);
         }
         self.keep_volume();
         self.force_n.fill(0.0);
+        self.damping_n_s_per_m.fill(0.0);
         self.rest_if_still();
         substeps as u32
+    }
+
+    /// The largest eigenvalue with what a probe damps.
+    fn fastest_per_s(&self) -> f32 {
+        let area_m2 = self.spacing_m * self.spacing_m;
+        let damping = self.damping_n_s_per_m.iter().fold(0.0, |most: f32, d| most.max(*d));
+        let drag = self.params.drag_n_s_per_m3 + damping / area_m2;
+        self.params.fastest_per_s(self.spacing_m).max(drag / self.params.areal_mass_kg_m2)
     }
 
     /// Kutta 1901: the slope at the begin, twice in the middle, at the end.
@@ -209,7 +235,7 @@ impl SpringSheet {
                 }
                 let force_n = self.force_n[n] + self.springs_n(&at.height_m, i, k)
                     - gravity * at.height_m[n]
-                    - drag * at.speed_m_s[n];
+                    - (drag + self.damping_n_s_per_m[n]) * at.speed_m_s[n];
                 self.slope.height_m[n] = at.speed_m_s[n];
                 self.slope.speed_m_s[n] = force_n * per_mass;
             }

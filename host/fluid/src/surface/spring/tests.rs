@@ -75,7 +75,7 @@ fn energy_never_grows_and_drag_brings_rest() {
 fn volume_stays_whatever_presses() {
     let mut sheet = sheet(WATER);
     for step in 0..100 {
-        sheet.press(Vec3::new(0.05 + 1e-4 * step as f32, 0.0, 0.07), 0.012, -0.3);
+        sheet.touch(Vec3::new(0.05 + 1e-4 * step as f32, 0.0, 0.07), 0.012, -0.3, 0.0);
         sheet.step(10e-3);
         let volume: f64 = sheet.motion.height_m.iter().map(|y| f64::from(*y)).sum();
         assert!(volume.abs() < 1e-6, "{volume}");
@@ -88,9 +88,9 @@ fn nothing_blows_up() {
     for (tension, dt_s, force) in [(1e7, 1.0, 1e4), (5.0, 1.0, 1e4), (0.0, 1e-5, 1e-9)] {
         let mut sheet = sheet(SurfaceParams { tension_n_per_m: tension, ..WATER });
         for _ in 0..20 {
-            sheet.press(Vec3::splat(0.08), 0.012, force);
-            sheet.press(Vec3::splat(f32::NAN), 0.012, f32::NAN);
-            sheet.press(Vec3::splat(3e38), 3e38, 1.0);
+            sheet.touch(Vec3::splat(0.08), 0.012, force, force);
+            sheet.touch(Vec3::splat(f32::NAN), 0.012, f32::NAN, 0.0);
+            sheet.touch(Vec3::splat(3e38), 3e38, 1.0, 3e38);
             sheet.step(dt_s);
         }
         assert!(sheet.motion.height_m.iter().all(|y| y.is_finite()), "{tension} {dt_s}");
@@ -107,7 +107,7 @@ fn beside_the_pot_nothing_moves() {
     let pot = Vessel::Pot { centre_in_world_m: Vec3::ZERO, radius_m: 0.07 };
     let mut sheet = SpringSheet::new(WATER, &grid, &pot);
     for _ in 0..30 {
-        sheet.press(Vec3::ZERO, 0.012, -0.2);
+        sheet.touch(Vec3::ZERO, 0.012, -0.2, 1.0);
         sheet.step(10e-3);
     }
     assert_eq!(sheet.motion.height_m[0], 0.0);
