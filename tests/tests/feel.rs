@@ -88,6 +88,24 @@ fn a_coupling_far_beyond_the_step_stays_calm() {
     assert!(trace.energy_to_hand_j(1500..3000) < 0.0, "honey takes, it does not give");
 }
 
+/// Fields come at 100 Hz. Of that rate, and of half of it (states come four to a frame, so a
+/// careless ledger gives the liquid a saw of 50 Hz), the hand must feel nothing: a line of 5 mN
+/// is a quarter of the threshold (Lee & Hannaford 2003).
+#[test]
+fn the_refresh_of_the_field_is_not_felt() {
+    let trace = run(&mut World::new(&cauldron(), &Options::new(1)), 5000);
+    for hertz in [50.0, 100.0] {
+        let mut wave = [DVec3::ZERO; 2];
+        for (tick, state) in trace.states.iter().enumerate().skip(2000) {
+            let phase = std::f64::consts::TAU * hertz * tick as f64 * 1e-3;
+            wave[0] += force_n(state) * phase.cos();
+            wave[1] += force_n(state) * phase.sin();
+        }
+        let line_n = wave[0].length().hypot(wave[1].length()) * 2.0 / 3000.0;
+        assert!(line_n > 0.0 && line_n < 5e-3, "{hertz} Hz: {line_n} N");
+    }
+}
+
 /// In a pot at rest one field is sent, and then nothing but Keeps of it.
 #[test]
 fn a_field_that_was_lost_is_sent_again_even_if_nothing_changes() {
