@@ -49,8 +49,9 @@ Examples:
 out/ holds frame-0001.png ..., contact-sheet.png, plot.png, run.csv and run.json.";
 
 impl Default for Command {
+    /// `run`, as if the command line said nothing more.
     fn default() -> Self {
-        Self::Run(RunArgs::default())
+        Self::Run(RunArgs::parse_from(["cauldron"]))
     }
 }
 
@@ -62,7 +63,7 @@ pub enum DeviceKind {
 }
 
 /// Arguments of `run`.
-#[derive(Args, Clone, Debug)]
+#[derive(Clone, Debug, Parser)]
 pub struct RunArgs {
     /// A scene's name, or a file that ends in .toml
     #[arg(long, default_value = "cauldron", value_name = "NAME|FILE.toml")]
@@ -100,26 +101,6 @@ pub struct RunArgs {
     /// Prints the figures as one line of JSON, the last on stdout
     #[arg(long)]
     pub json: bool,
-}
-
-impl Default for RunArgs {
-    /// What the command line gives when it says nothing.
-    fn default() -> Self {
-        Self {
-            scene: "cauldron".into(),
-            device: DeviceKind::Sim,
-            seconds: 10.0,
-            seed: 1,
-            out: "out".into(),
-            fps: 5.0,
-            grid: None,
-            threads: None,
-            simd: None,
-            real_time: false,
-            headless: false,
-            json: false,
-        }
-    }
 }
 
 /// Arguments of `scenes`.

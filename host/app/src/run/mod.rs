@@ -29,7 +29,7 @@ use std::{
 
 use crate::{
     Failure,
-    cli::RunArgs,
+    cli::{DeviceKind, RunArgs},
     host::{Host, Latency},
     world::{Options, SimHost, World},
 };
@@ -46,7 +46,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let scene = scene(args)?;
     let output = Output::claim(&args.out)?;
     let options = options(args);
-    let world = World::new(&scene, &options);
+    let world = match args.device {
+        DeviceKind::Sim => World::new(&scene, &options),
+    };
     let drawn = if args.real_time { Drawn::Afterwards } else { Drawn::AtOnce };
     let mut show = Show {
         ticks: (args.seconds * 1e3).round() as usize,
