@@ -1,27 +1,15 @@
 //! The wire carries garbage while the hand stirs: what is broken is dropped and counted, nothing
 //! acts that was not sent, and the stream finds its feet again.
 
-use cauldron_fluid::scenes::Act;
 use cauldron_protocol::{Limit, Supervisor};
-use glam::Vec3;
 
-use super::small_cauldron;
+use super::stirred_cauldron;
 use crate::scenario::{Event, Mishap, Scenario, must};
-
-const CENTRE_M: Vec3 = Vec3::new(0.0, -0.05, 0.0);
-const RADIUS_M: f32 = 0.045;
 
 pub const SCENARIO: Scenario = Scenario {
     name: "garbage on the wire",
     about: "bits flip and chunks are lost for a second, both ways",
-    scene: || {
-        let acts = vec![
-            Act::Rest { seconds: 0.4 },
-            Act::Reach { to_m: CENTRE_M - RADIUS_M * Vec3::Z, seconds: 0.8 },
-            Act::Stir { centre_m: CENTRE_M, radius_m: RADIUS_M, seconds: 3.0 },
-        ];
-        small_cauldron(Vec3::new(0.0, 0.05, 0.0), acts)
-    },
+    scene: || stirred_cauldron(3.0),
     seconds: 4.2,
     events: &[Event::at(1.8, Mishap::Garbage), Event::at(2.8, Mishap::Sound)],
     verdict: |trace| {

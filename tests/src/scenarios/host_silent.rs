@@ -1,31 +1,19 @@
 //! The host falls silent while the hand stirs: first the field is held, then it fades to the
 //! medium at rest, which only resists; a short silence ends with a ramp, a long one is a fault.
 
-use cauldron_fluid::scenes::Act;
 use cauldron_protocol::{Fault, Limit, Supervisor};
-use glam::Vec3;
 
-use super::small_cauldron;
+use super::stirred_cauldron;
 use crate::{
     scenario::{Event, Mishap, Scenario, Wrong, must},
     trace::{Trace, force_n},
 };
 use glam::DVec3;
 
-const CENTRE_M: Vec3 = Vec3::new(0.0, -0.05, 0.0);
-const RADIUS_M: f32 = 0.045;
-
 pub const SCENARIO: Scenario = Scenario {
     name: "host silent",
     about: "the host falls silent while the hand stirs, first for 0.2 s, then for 0.6 s",
-    scene: || {
-        let acts = vec![
-            Act::Rest { seconds: 0.4 },
-            Act::Reach { to_m: CENTRE_M - RADIUS_M * Vec3::Z, seconds: 0.8 },
-            Act::Stir { centre_m: CENTRE_M, radius_m: RADIUS_M, seconds: 3.5 },
-        ];
-        small_cauldron(Vec3::new(0.0, 0.05, 0.0), acts)
-    },
+    scene: || stirred_cauldron(3.5),
     seconds: 4.5,
     events: &[
         Event::at(2.0, Mishap::Silence),

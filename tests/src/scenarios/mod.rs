@@ -36,3 +36,15 @@ fn small_cauldron(start_m: Vec3, acts: Vec<Act>) -> Scene {
     scene.regrid(16);
     scene
 }
+
+/// The small cauldron, and a hand that dives in within 1.2 s and stirs from then on.
+fn stirred_cauldron(seconds: f32) -> Scene {
+    const CENTRE_M: Vec3 = Vec3::new(0.0, -0.05, 0.0);
+    const RADIUS_M: f32 = 0.045;
+    let acts = vec![
+        Act::Rest { seconds: 0.4 },
+        Act::Reach { to_m: CENTRE_M - RADIUS_M * Vec3::Z, seconds: 0.8 },
+        Act::Stir { centre_m: CENTRE_M, radius_m: RADIUS_M, seconds },
+    ];
+    small_cauldron(Vec3::new(0.0, 0.05, 0.0), acts)
+}

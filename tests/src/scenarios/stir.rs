@@ -1,27 +1,15 @@
 //! A hand stirs: the liquid resists, is set in motion, and gets just the impulse that the hand
 //! gave.
 
-use cauldron_fluid::scenes::Act;
 use cauldron_protocol::state::Flags;
-use glam::Vec3;
 
-use super::small_cauldron;
+use super::stirred_cauldron;
 use crate::scenario::{Scenario, must};
-
-const CENTRE_M: Vec3 = Vec3::new(0.0, -0.05, 0.0);
-const RADIUS_M: f32 = 0.045;
 
 pub const SCENARIO: Scenario = Scenario {
     name: "stir",
     about: "a hand stirs the pot in circles",
-    scene: || {
-        let acts = vec![
-            Act::Rest { seconds: 0.4 },
-            Act::Reach { to_m: CENTRE_M - RADIUS_M * Vec3::Z, seconds: 0.8 },
-            Act::Stir { centre_m: CENTRE_M, radius_m: RADIUS_M, seconds: 2.5 },
-        ];
-        small_cauldron(Vec3::new(0.0, 0.05, 0.0), acts)
-    },
+    scene: || stirred_cauldron(2.5),
     seconds: 3.7,
     events: &[],
     verdict: |trace| {
