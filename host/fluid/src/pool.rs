@@ -95,7 +95,8 @@ impl<const M: usize> Planes<M> {
 
 impl Pool {
     /// A pool of `threads` threads (at least 1: the caller). With `pinned`, each started thread
-    /// is bound to a core of its own, the second core first; [`Pool::pin_caller`] takes the first.
+    /// is bound to a core of its own, the second core first: the caller is left where it is, since
+    /// threads that it starts later would inherit its core.
     ///
     /// A thread that the system refuses to start is done without.
     #[must_use]
@@ -129,11 +130,6 @@ impl Pool {
     #[must_use]
     pub fn threads(&self) -> usize {
         self.shared.threads
-    }
-
-    /// Binds the calling thread to the first core, which no worker of a pinned pool takes.
-    pub fn pin_caller(&self) {
-        pin_to_core(0);
     }
 
     /// Values of first arrays (cells, with their padding) that each thread has written so far.

@@ -72,6 +72,8 @@ pub struct Figures {
     pub limits: Vec<LimitTicks>,
     /// Sum of |J| over the exchanges with the liquid, in physical units.
     pub impulse_n_s: f64,
+    /// Sum of |J| that no liquid was in reach to take; in no other figure.
+    pub impulse_untaken_n_s: f64,
     /// Largest kinetic energy of the liquid, in joules.
     pub fluid_ke_max: f64,
     /// Largest |div u| left in a cell, in 1/s.
@@ -137,6 +139,7 @@ impl Figures {
             pops: pops(states),
             limits: limits(states),
             impulse_n_s: exchange.given_n_s(),
+            impulse_untaken_n_s: exchange.untaken_n_s(),
             fluid_ke_max: totals.kinetic_energy_max_j,
             divergence_max: totals.divergence_max_per_s,
             momentum_residual_rel: exchange.residual_rel(),

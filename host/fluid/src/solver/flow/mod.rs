@@ -187,13 +187,6 @@ impl Flow {
         DVec3::from_array(self.velocity.each_ref().map(total)) * self.cell_mass_kg()
     }
 
-    /// Puts the liquid to rest.
-    pub fn calm(&mut self) {
-        self.velocity.iter_mut().for_each(|u| u.fill(0.0));
-        self.pressure_dt_s = 0.0;
-        self.survey = None;
-    }
-
     /// The velocities on faces and their layout, for what is carried with the flow.
     pub(crate) fn face_velocities(&self) -> (&Layout, [&[f32]; 3]) {
         (&self.layout, components(&self.velocity))
