@@ -12,7 +12,7 @@ const TICKS: usize = 2500;
 pub fn record(path: &Path, seed: u64) -> ExitCode {
     let mut scene = (scenes::INDEX[0].make)();
     scene.regrid(16);
-    let mut world = World::new(&scene, &Options::new(seed));
+    let mut world = World::new(&scene, &Options::new(seed)).map_err(|wrong| wrong.to_string())?;
     world.device.start_tape();
     for _ in 0..TICKS {
         if let Err(error) = world.tick() {

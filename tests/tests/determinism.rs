@@ -12,7 +12,7 @@ const TICKS: usize = 2200;
 fn world(options: &Options) -> World {
     let mut scene = (scenes::INDEX[0].make)();
     scene.regrid(20);
-    World::new(&scene, options)
+    World::new(&scene, options).expect("a world")
 }
 
 fn hash(options: &Options) -> u64 {
@@ -56,7 +56,8 @@ fn the_second_thread_does_its_share_at_64() {
     let mut scene = (scenes::INDEX[0].make)();
     scene.regrid(64);
     let pool = Arc::new(Pool::new(2, false));
-    let mut world = World::new(&scene, &Options { pool: pool.clone(), ..Options::new(1) });
+    let mut world =
+        World::new(&scene, &Options { pool: pool.clone(), ..Options::new(1) }).expect("a world");
     world.host.pot.place_probe(glam::Vec3::new(0.03, -0.05, 0.0));
     for _ in 0..3 {
         world.host.pot.take(glam::DVec3::new(1e-3, 0.0, 2e-3), 0.0, 0.01);

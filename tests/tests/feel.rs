@@ -35,7 +35,7 @@ fn stirred(viscosity_m2_s: f32) -> f64 {
     if let Some(liquid) = &mut scene.liquid {
         liquid.viscosity_m2_s = viscosity_m2_s;
     }
-    resistance_n(&run(&mut World::new(&scene, &Options::new(1)), 4000))
+    resistance_n(&run(&mut World::new(&scene, &Options::new(1)).expect("a world"), 4000))
 }
 
 #[test]
@@ -58,7 +58,8 @@ fn a_resting_hand_is_given_no_more_than_a_millijoule() {
         [0.0, -0.04, 0.0548],
     ];
     for (start, seed) in places.map(DVec3::from_array).into_iter().flat_map(|p| [(p, 3), (p, 4)]) {
-        let mut world = World::with_script(&scene, Script::resting(start), &Options::new(seed));
+        let mut world = World::with_script(&scene, Script::resting(start), &Options::new(seed))
+            .expect("a world");
         let trace = run(&mut world, 10_000);
         let given_j = trace.energy_to_hand_j(0..10_000);
         assert!(given_j <= 1e-3, "at {start}, seed {seed}: {given_j} J");
@@ -73,7 +74,7 @@ fn a_coupling_far_beyond_the_step_stays_calm() {
     if let Some(liquid) = &mut scene.liquid {
         liquid.viscosity_m2_s = 0.2;
     }
-    let mut world = World::new(&scene, &Options::new(1));
+    let mut world = World::new(&scene, &Options::new(1)).expect("a world");
     let pot = &world.host.pot;
     let drag = pot.drag().linear_n_s_per_m;
     world.host.pot.place_probe(glam::Vec3::new(0.0, -0.05, 0.0));
@@ -93,7 +94,7 @@ fn a_coupling_far_beyond_the_step_stays_calm() {
 /// is a quarter of the threshold (Lee & Hannaford 2003).
 #[test]
 fn the_refresh_of_the_field_is_not_felt() {
-    let trace = run(&mut World::new(&cauldron(), &Options::new(1)), 5000);
+    let trace = run(&mut World::new(&cauldron(), &Options::new(1)).expect("a world"), 5000);
     for hertz in [50.0, 100.0] {
         let mut wave = [DVec3::ZERO; 2];
         for (tick, state) in trace.states.iter().enumerate().skip(2000) {
@@ -112,7 +113,7 @@ fn a_field_that_was_lost_is_sent_again_even_if_nothing_changes() {
     let mut scene = cauldron();
     scene.story.acts.clear();
     let script = Script::resting(DVec3::new(0.0, -0.04, 0.02));
-    let mut world = World::with_script(&scene, script, &Options::new(3));
+    let mut world = World::with_script(&scene, script, &Options::new(3)).expect("a world");
     while !world.host.session.is_running() {
         world.tick().unwrap();
     }
@@ -133,7 +134,7 @@ fn a_silent_host_leaves_a_thick_liquid_that_only_resists() {
         if let Some(liquid) = &mut scene.liquid {
             liquid.viscosity_m2_s = viscosity_m2_s;
         }
-        let mut world = World::new(&scene, &Options::new(1));
+        let mut world = World::new(&scene, &Options::new(1)).expect("a world");
         run(&mut world, 2000);
         let silent: Vec<State> = (0..240).map(|_| world.tick_device()).collect();
         for pair in silent[100..].windows(2) {
@@ -148,7 +149,7 @@ fn a_silent_host_leaves_a_thick_liquid_that_only_resists() {
 #[test]
 fn a_current_carries_the_hand() {
     let scene = (scenes::INDEX[2].make)();
-    let trace = run(&mut World::new(&scene, &Options::new(1)), 1500);
+    let trace = run(&mut World::new(&scene, &Options::new(1)).expect("a world"), 1500);
     // At (-0.06, mid height, 0) of the vortex the current runs along -y or +y at about U.
     let y_n: f64 =
         trace.states[1000..1500].iter().map(|s| f64::from(s.force[1].0)).sum::<f64>() / 500.0;

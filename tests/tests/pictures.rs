@@ -19,7 +19,7 @@ fn looks(stirred: bool) -> Vec<Shares> {
             }
         }
     }
-    let mut world = World::new(&scene, &Options::new(1));
+    let mut world = World::new(&scene, &Options::new(1)).expect("a world");
     let look = |at_s: &f64| {
         while world.now_s() < *at_s {
             world.tick().unwrap();

@@ -2,7 +2,7 @@
 //! the same seed gives the same bits.
 
 use cauldron_board_sim::{Grip, Script};
-use cauldron_fluid::{Pot, pool::Pool, scenes::Scene, simd::SimdClass};
+use cauldron_fluid::{Pot, pool::Pool, scenes::Scene, simd::SimdClass, solver::SetupError};
 use cauldron_link::{Faults, Faulty, PipeEnd, SessionError, pipe};
 use cauldron_protocol::State;
 use std::sync::Arc;
@@ -61,23 +61,31 @@ pub struct World {
 
 impl World {
     /// A scene whose own story the hand plays.
-    #[must_use]
-    pub fn new(scene: &Scene, options: &Options) -> Self {
+    ///
+    /// # Errors
+    /// [`SetupError`] as [`Pot::new`].
+    pub fn new(scene: &Scene, options: &Options) -> Result<Self, SetupError> {
         Self::with_script(scene, script_of(scene), options)
     }
 
     /// A scene in which the hand does something else.
-    #[must_use]
-    pub fn with_script(scene: &Scene, script: Script, options: &Options) -> Self {
+    ///
+    /// # Errors
+    /// [`SetupError`] as [`Pot::new`].
+    pub fn with_script(
+        scene: &Scene,
+        script: Script,
+        options: &Options,
+    ) -> Result<Self, SetupError> {
         let seed = options.seed;
         let (host_end, device_end) = pipe();
         let transport = Faulty::new(host_end, options.down, options.up, seed ^ 0x11a7);
-        let pot = Pot::new(scene, options.pool.clone(), options.simd);
-        Self {
+        let pot = Pot::new(scene, options.pool.clone(), options.simd)?;
+        Ok(Self {
             device: SimDevice::new(script, options.grip, device_end, seed),
             host: Host::new(transport, scene, pot, options.latency, seed ^ 0x7e57),
             now_us: 0,
-        }
+        })
     }
 
     /// One tick of the device, and the host's part of that millisecond; the device's own state,

@@ -40,12 +40,17 @@ impl Mask {
         self.liquid_cells == self.liquid.len()
     }
 
+    /// True if the cell is inside the grid.
+    #[must_use]
+    pub fn contains(&self, cell: [isize; 3]) -> bool {
+        (0..3).all(|d| (0..self.cells[d] as isize).contains(&cell[d]))
+    }
+
     /// True if the cell is inside the grid and liquid; any index may be asked for.
     #[must_use]
     pub fn is_liquid(&self, cell: [isize; 3]) -> bool {
-        let inside = (0..3).all(|d| (0..self.cells[d] as isize).contains(&cell[d]));
         let [i, j, k] = cell.map(|c| c as usize);
-        inside && self.liquid[i + self.cells[0] * (j + self.cells[1] * k)]
+        self.contains(cell) && self.liquid[i + self.cells[0] * (j + self.cells[1] * k)]
     }
 
     /// True if the lower face of `cell` along `axis` lies between two liquid cells, so that

@@ -11,7 +11,7 @@ use crate::{
     pool::Pool,
     scenes::{Scene, Start, Substance},
     simd::SimdClass,
-    solver::{Setup, Solver, flow::Flow},
+    solver::{Setup, SetupError, Sides, Solver, flow::Flow},
     substance::Substances,
     surface::SpringSheet,
     vessel::Vessel,
@@ -56,18 +56,21 @@ pub struct Pot {
 }
 
 impl Pot {
-    /// The pot of a scene that has passed its check, as it is at first.
-    #[must_use]
-    pub fn new(scene: &Scene, pool: Arc<Pool>, simd: SimdClass) -> Self {
+    /// The pot of a scene, as it is at first.
+    ///
+    /// # Errors
+    /// [`SetupError`] if the scene's liquid makes no sense; one that has passed its check does.
+    pub fn new(scene: &Scene, pool: Arc<Pool>, simd: SimdClass) -> Result<Self, SetupError> {
         let setup = scene.liquid.map(|liquid| Setup {
             density_kg_m3: liquid.density_kg_m3,
             viscosity_m2_s: liquid.viscosity_m2_s,
+            sides: Sides::of_vessel(liquid.walls),
             walls: liquid.walls,
             pool,
             simd,
             ..Setup::new(scene.grid, scene.vessel)
         });
-        let mut flow = setup.as_ref().map(Flow::new);
+        let mut flow = setup.as_ref().map(Flow::new).transpose()?;
         if let (Some(flow), Start::TaylorGreen(speed_m_s)) = (&mut flow, scene.start) {
             start_vortex(flow, &scene.grid, speed_m_s);
         }
@@ -79,7 +82,7 @@ impl Pot {
             )
         });
         let diffusivities: Vec<f32> = scene.substances.iter().map(|s| s.diffusivity_m2_s).collect();
-        Self {
+        Ok(Self {
             grid: scene.grid,
             vessel: scene.vessel,
             liquid_colour: scene.liquid.map(|liquid| liquid.colour),
@@ -93,7 +96,7 @@ impl Pot {
             exchange: Exchange::default(),
             time_s: 0.0,
             totals: Totals::default(),
-        }
+        })
     }
 
     /// The box.
@@ -205,7 +208,7 @@ impl Pot {
                     totals.kinetic_energy_max_j =
                         totals.kinetic_energy_max_j.max(report.kinetic_energy_j);
                     totals.divergence_max_per_s =
-                        totals.divergence_max_per_s.max(report.divergence_max_per_s);
+                        totals.divergence_max_per_s.max(flow.divergence_max_per_s());
                 }
                 Err(_) => self.totals.refused += 1,
             }

@@ -23,7 +23,8 @@ fn fractions(substances: &Substances, index: usize, cells: usize) -> Vec<f32> {
 #[test]
 fn stirring_keeps_the_volume_of_each_substance_and_makes_no_new_extremes() {
     let setup = pot();
-    let (mut flow, mut substances) = (Flow::new(&setup), Substances::new(&setup, &[0.0, 1e-6]));
+    let (mut flow, mut substances) =
+        (Flow::new(&setup).expect("a flow"), Substances::new(&setup, &[0.0, 1e-6]));
     let centre = Vec3::new(0.12, 0.15, 0.13);
     substances.set_fraction(0, |p| if p.distance(centre) < 0.04 { 1.0 } else { 0.0 }).unwrap();
     substances.set_fraction(1, |p| (p.y / 0.256).clamp(0.0, 0.5)).unwrap();
@@ -50,7 +51,7 @@ fn stirring_keeps_the_volume_of_each_substance_and_makes_no_new_extremes() {
 fn a_blob_in_solid_rotation_comes_round_to_where_it_was() {
     let n = 32;
     let setup = Setup::new(Grid { cells: [n, n, 2], ..Grid::unit_cube(n) }, Vessel::Box);
-    let mut flow = Flow::new(&setup);
+    let mut flow = Flow::new(&setup).expect("a flow");
     // Rotation inside, smoothly none at the walls: psi = (sin pi x sin pi y)^2.
     let pi = std::f64::consts::PI;
     flow.set_velocity(&|p| {
@@ -93,7 +94,7 @@ fn a_blob_in_solid_rotation_comes_round_to_where_it_was() {
 #[test]
 fn a_step_across_many_cells_still_keeps_the_volume() {
     let setup = Setup::new(Grid::unit_cube(8), Vessel::Box);
-    let mut flow = Flow::new(&setup);
+    let mut flow = Flow::new(&setup).expect("a flow");
     let pi = std::f64::consts::PI;
     let roll = |p: DVec3| {
         let (x, y) = (pi * p.x, pi * p.y);
@@ -119,7 +120,7 @@ fn diffusion_alone_follows_the_cosine_solution() {
     let mut substances = Substances::new(&setup, &[0.01]);
     let pi = std::f32::consts::PI;
     substances.set_fraction(0, |p| 0.5 + 0.4 * (pi * p.x).cos()).unwrap();
-    let flow = Flow::new(&setup);
+    let flow = Flow::new(&setup).expect("a flow");
     for _ in 0..100 {
         substances.step(&flow, 0.05).unwrap();
     }
@@ -159,7 +160,7 @@ fn what_is_poured_fills_the_room_that_is_left_and_no_more() {
 #[test]
 fn without_substances_or_motion_nothing_is_carried() {
     let setup = pot();
-    let flow = Flow::new(&setup);
+    let flow = Flow::new(&setup).expect("a flow");
     let mut none = Substances::new(&setup, &[]);
     assert!(none.is_empty());
     assert_eq!(none.step(&flow, 0.01).unwrap().carrying, Carrying::Nothing);

@@ -47,7 +47,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let output = Output::claim(&args.out)?;
     let options = options(args);
     let world = match args.device {
-        DeviceKind::Sim => World::new(&scene, &options),
+        DeviceKind::Sim => {
+            World::new(&scene, &options).map_err(|wrong| Failure::Input(wrong.to_string()))?
+        }
     };
     let drawn = if args.real_time { Drawn::Afterwards } else { Drawn::AtOnce };
     let mut show = Show {

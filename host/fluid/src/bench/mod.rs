@@ -18,7 +18,7 @@ use crate::{
     grid::Grid,
     pool::Pool,
     simd::SimdClass,
-    solver::{INDEX, Refused, Setup, Solver, SolverRow, StepReport},
+    solver::{INDEX, Setup, SetupError, Solver, SolverRow, StepReport},
     vessel::Vessel,
 };
 
@@ -66,8 +66,8 @@ struct Outcome {
 /// Runs the group. `progress` is told what comes next.
 ///
 /// # Errors
-/// [`Refused`] if a solver refuses an input, which none does for these cases.
-pub fn run(options: &Options, progress: &mut dyn FnMut(&str)) -> Result<Vec<Row>, Refused> {
+/// [`SetupError`] if a solver refuses an input, which none does for these cases.
+pub fn run(options: &Options, progress: &mut dyn FnMut(&str)) -> Result<Vec<Row>, SetupError> {
     let mut rows = Vec::new();
     let is_wanted = |name: &str| options.case.as_deref().is_none_or(|wanted| wanted == name);
     for &n in &options.sizes {
@@ -91,8 +91,8 @@ pub fn run(options: &Options, progress: &mut dyn FnMut(&str)) -> Result<Vec<Row>
 /// Solver A, B, ..., A, B, ...: the outcomes of each solver, in the order of the index.
 fn interleave(
     options: &Options,
-    mut run: impl FnMut(&SolverRow) -> Result<Outcome, Refused>,
-) -> Result<Vec<Vec<Outcome>>, Refused> {
+    mut run: impl FnMut(&SolverRow) -> Result<Outcome, SetupError>,
+) -> Result<Vec<Vec<Outcome>>, SetupError> {
     let mut outcomes: Vec<_> = INDEX.iter().map(|_| Vec::new()).collect();
     for _ in 0..options.repetitions.max(1) {
         for (solver, outcomes) in INDEX.iter().zip(&mut outcomes) {
@@ -102,7 +102,12 @@ fn interleave(
     Ok(outcomes)
 }
 
-fn make(solver: &SolverRow, n: usize, viscosity_m2_s: f64, options: &Options) -> Box<dyn Solver> {
+fn make(
+    solver: &SolverRow,
+    n: usize,
+    viscosity_m2_s: f64,
+    options: &Options,
+) -> Result<Box<dyn Solver>, SetupError> {
     (solver.make)(&Setup {
         viscosity_m2_s: viscosity_m2_s as f32,
         pool: Arc::clone(&options.pool),
@@ -111,8 +116,13 @@ fn make(solver: &SolverRow, n: usize, viscosity_m2_s: f64, options: &Options) ->
     })
 }
 
-fn run_case(case: &Case, row: &SolverRow, n: usize, options: &Options) -> Result<Outcome, Refused> {
-    let mut solver = make(row, n, case.viscosity_m2_s, options);
+fn run_case(
+    case: &Case,
+    row: &SolverRow,
+    n: usize,
+    options: &Options,
+) -> Result<Outcome, SetupError> {
+    let mut solver = make(row, n, case.viscosity_m2_s, options)?;
     solver.set_velocity(&case.velocity_m_s)?;
     if let Some(force) = case.force_m_s2 {
         solver.set_force(&force)?;
@@ -149,8 +159,8 @@ fn relative_error(case: &Case, solver: &dyn Solver) -> f64 {
     (error / norm).sqrt()
 }
 
-fn run_divergence(row: &SolverRow, n: usize, options: &Options) -> Result<Outcome, Refused> {
-    let mut solver = make(row, n, 0.0, options);
+fn run_divergence(row: &SolverRow, n: usize, options: &Options) -> Result<Outcome, SetupError> {
+    let mut solver = make(row, n, 0.0, options)?;
     let (mut time, mut value) = (Duration::ZERO, 0.0);
     for _ in 0..PROJECTIONS {
         solver.set_velocity(&divergent)?;

@@ -18,8 +18,10 @@ use glam::{DVec3, Vec3};
 use crate::{
     grid::Grid,
     solver::{
-        KnownMiss, Refused, Scheme, Setup, Solver, StepReport, VectorField, VisitVelocity, within,
+        KnownMiss, Refused, Scheme, Setup, SetupError, Side, Sides, Solver, StepReport,
+        VectorField, VisitVelocity, within,
     },
+    vessel::Vessel,
 };
 
 /// What its faults cost.
@@ -46,12 +48,20 @@ pub struct Founding {
 }
 
 impl Founding {
-    /// Fluid at rest, on as many cells along every axis as the setup's grid has along x.
-    #[must_use]
-    pub fn new(setup: &Setup) -> Self {
+    /// Fluid at rest.
+    ///
+    /// # Errors
+    /// [`SetupError::Unsupported`] if the grid is not the closed unit cube.
+    pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         let n = setup.grid.cells[0];
+        let is_cube = setup.grid.cells == [n; 3] && setup.vessel == Vessel::Box;
+        if !is_cube || setup.sides != Sides::all(Side::FreeSlip) {
+            return Err(SetupError::Unsupported(
+                "the founding solver knows nothing but a cube that the flow slides along",
+            ));
+        }
         let vector = || [(); 3].map(|()| vec![0.0; (n + 2).pow(3)]);
-        Self {
+        Ok(Self {
             grid: setup.grid,
             n,
             density_kg_m3: f64::from(setup.density_kg_m3),
@@ -60,7 +70,7 @@ impl Founding {
             other: vector(),
             force: None,
             force_scale: [1.0; 2],
-        }
+        })
     }
 
     fn index(&self, i: usize, j: usize, k: usize) -> usize {
@@ -160,7 +170,6 @@ impl Solver for Founding {
             substeps: 1,
             scheme: Scheme::Founding,
             kinetic_energy_j: self.kinetic_energy_j(),
-            divergence_max_per_s: self.divergence_max_per_s(),
             asleep: false,
             ..StepReport::at_rest()
         })

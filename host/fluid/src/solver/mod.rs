@@ -15,7 +15,7 @@
 //!     DVec3::new(x.sin() * y.cos(), -x.cos() * y.sin(), 0.0)
 //! };
 //! let setup = Setup { viscosity_m2_s: 0.01, ..Setup::new(Grid::unit_cube(16), Vessel::Box) };
-//! let mut flow = Flow::new(&setup);
+//! let mut flow = Flow::new(&setup)?;
 //! flow.set_velocity(&vortices)?;
 //! for _ in 0..32 {
 //!     flow.step(1.0 / 32.0)?;
@@ -24,11 +24,14 @@
 //! let mut worst = 0f64;
 //! flow.visit(&mut |p, c, value| worst = worst.max((value - decay * vortices(p)[c]).abs()));
 //! assert!(worst < 2e-3, "{worst}");
-//! # Ok::<(), cauldron_fluid::solver::Refused>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod flow;
 pub mod founding;
+pub mod sides;
+
+pub use sides::{Side, Sides};
 
 use std::{fmt, sync::Arc};
 
@@ -36,7 +39,7 @@ use glam::{DVec3, Vec3};
 
 use crate::{grid::Grid, pool::Pool, simd::SimdClass, vessel::Vessel};
 
-/// How liquid meets the walls of its vessel. The top of the grid is a lid that it slides along.
+/// How a flow meets a solid: the walls of a vessel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Walls {
     /// It slides along them.
@@ -56,7 +59,9 @@ pub struct Setup {
     pub density_kg_m3: f32,
     /// Kinematic viscosity of the liquid, 0 or more.
     pub viscosity_m2_s: f32,
-    /// What happens at the walls.
+    /// What happens at the six sides of the grid's box.
+    pub sides: Sides,
+    /// What happens at the walls of a vessel that stands in the box.
     pub walls: Walls,
     /// The threads to work with.
     pub pool: Arc<Pool>,
@@ -74,6 +79,7 @@ impl Setup {
             vessel,
             density_kg_m3: 1000.0,
             viscosity_m2_s: 0.0,
+            sides: Sides::all(Side::FreeSlip),
             walls: Walls::FreeSlip,
             pool: Arc::new(Pool::inline()),
             simd: SimdClass::detect(),
@@ -98,6 +104,32 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
+/// Why a flow cannot be set up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SetupError {
+    /// A value is not finite or out of range.
+    Refused(Refused),
+    /// The solver cannot do what is asked for.
+    Unsupported(&'static str),
+}
+
+impl fmt::Display for SetupError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Refused(refused) => refused.fmt(f),
+            Self::Unsupported(what) => f.write_str(what),
+        }
+    }
+}
+
+impl std::error::Error for SetupError {}
+
+impl From<Refused> for SetupError {
+    fn from(refused: Refused) -> Self {
+        Self::Refused(refused)
+    }
+}
+
 /// `value` if its magnitude is at most `limit`.
 ///
 /// # Errors
@@ -111,9 +143,11 @@ pub fn within(what: &'static str, value: f64, limit: f64) -> Result<f64, Refused
 pub enum Scheme {
     /// Nothing moved and nothing pushed: the step was skipped.
     Rest,
-    /// Central energy-conserving fluxes, explicit in time.
+    /// Central energy-conserving fluxes, extrapolated from the last step (Adams, Bashforth).
+    Multistep,
+    /// The same fluxes in three stages (Runge, Kutta).
     Central,
-    /// The same, with viscosity implicit.
+    /// The same in three stages, with viscosity implicit.
     CentralImplicit,
     /// Traced back along the flow: for steps across many cells.
     Traced,
@@ -132,8 +166,6 @@ pub struct StepReport {
     pub pressure_iterations: u32,
     /// Iterations of all viscous solves; 0 where viscosity is explicit.
     pub viscous_iterations: u32,
-    /// Largest |div u| that is left in a liquid cell.
-    pub divergence_max_per_s: f64,
     /// Kinetic energy after the step.
     pub kinetic_energy_j: f64,
     /// Times that the energy guard had to act.
@@ -151,7 +183,6 @@ impl StepReport {
             scheme: Scheme::Rest,
             pressure_iterations: 0,
             viscous_iterations: 0,
-            divergence_max_per_s: 0.0,
             kinetic_energy_j: 0.0,
             guard_actions: 0,
             asleep: true,
@@ -232,8 +263,8 @@ pub struct SolverRow {
     pub name: &'static str,
     /// What it is, in one line.
     pub about: &'static str,
-    /// Makes it.
-    pub make: fn(&Setup) -> Box<dyn Solver>,
+    /// Makes it, unless the setup makes no sense or is more than it can do.
+    pub make: fn(&Setup) -> Result<Box<dyn Solver>, SetupError>,
     /// What it is known to miss.
     pub known_misses: &'static [KnownMiss],
 }
@@ -244,13 +275,13 @@ pub const INDEX: &[SolverRow] = &[
         name: "auto",
         about: "staggered grid, energy-conserving fluxes, direct or preconditioned projection; \
                 chooses scheme and sub-steps by itself",
-        make: |setup| Box::new(flow::Flow::new(setup)),
+        make: |setup| Ok(Box::new(flow::Flow::new(setup)?)),
         known_misses: &[],
     },
     SolverRow {
         name: "founding",
         about: "the founding thesis's stable fluids as printed, faults included (Mora 2008)",
-        make: |setup| Box::new(founding::Founding::new(setup)),
+        make: |setup| Ok(Box::new(founding::Founding::new(setup)?)),
         known_misses: founding::KNOWN_MISSES,
     },
 ];

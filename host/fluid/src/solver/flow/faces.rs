@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::{
     mask::Mask,
     solver::{
-        Walls,
+        Side, Sides, Walls,
         flow::field::{Field, Layout, Vector},
     },
 };
@@ -29,9 +29,9 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// The faces of the liquid cells of `mask`.
-    pub fn new(layout: &Layout, mask: &Mask, walls: Walls) -> Self {
-        let [_, ny, nz] = layout.cells;
+    /// The faces of the liquid cells of `mask`, between sides and walls as given.
+    pub fn new(layout: &Layout, mask: &Mask, sides: &Sides, walls: Walls) -> Self {
+        let [_, _, nz] = layout.cells;
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
         let (mut open, mut weight) = (vector(), vector());
         let (mut liquid, mut open_count) = (layout.zeros(), layout.zeros());
@@ -45,12 +45,23 @@ impl Faces {
             live_rows[k] = first..j + 1;
             liquid[at] = 1.0;
             for axis in 0..3 {
-                let above = neighbour(cell, axis, 1);
-                let both = [mask.is_open(axis, cell), mask.is_open(axis, above)];
-                open_count[at] += both.map(f32::from).iter().sum::<f32>();
-                if both[0] {
+                let is_open = |end: usize| {
+                    let other = neighbour(cell, axis, [-1, 1][end]);
+                    let n = layout.cells[axis] as isize;
+                    match sides.0[axis][end] {
+                        _ if (0..n).contains(&other[axis]) => mask.is_liquid(other),
+                        Side::Periodic => mask.is_liquid(wrapped(other, axis, n)),
+                        side => side == Side::Outflow,
+                    }
+                };
+                open_count[at] += f32::from(is_open(0)) + f32::from(is_open(1));
+                if is_open(0) {
                     open[axis][at] = 1.0;
-                    weight[axis][at] = face_weight(mask, walls, ny, axis, cell);
+                    weight[axis][at] = face_weight(mask, walls, axis, cell);
+                }
+                let is_last = cell[axis] + 1 == layout.cells[axis] as isize;
+                if is_last && sides.0[axis][1] == Side::Outflow {
+                    open[axis][at + layout.strides()[axis]] = 1.0;
                 }
             }
         }
@@ -69,26 +80,31 @@ fn neighbour(mut cell: [isize; 3], axis: usize, step: isize) -> [isize; 3] {
     cell
 }
 
+fn wrapped(mut cell: [isize; 3], axis: usize, n: isize) -> [isize; 3] {
+    cell[axis] = cell[axis].rem_euclid(n);
+    cell
+}
+
 /// The viscous stencil of an open face is the sum over its six neighbours minus this weight
-/// times its own velocity, neighbours that are not open counting 0.
-fn face_weight(mask: &Mask, walls: Walls, ny: usize, axis: usize, cell: [isize; 3]) -> f32 {
+/// times its own velocity; neighbours in a wall count 0, those beyond a side are ghosts.
+fn face_weight(mask: &Mask, walls: Walls, axis: usize, cell: [isize; 3]) -> f32 {
     let sides = (0..3).flat_map(|along| [(along, -1), (along, 1)]);
     let weights = sides.map(|(along, step)| {
         let other = neighbour(cell, along, step);
-        let is_lid = along == 1 && other[1] == ny as isize;
-        wall_weight(mask, if is_lid { Walls::FreeSlip } else { walls }, axis, along, other)
+        wall_weight(mask, walls, axis, along, other)
     });
     weights.sum()
 }
 
-/// What one neighbour adds to the weight: 1 if it is open, or a face of 0 velocity one spacing
-/// away. A wall beside the face is half a spacing away: its mirrored ghost makes 2 where the
-/// liquid sticks to it, 0 where it slides.
+/// What one neighbour adds to the weight: 1 if it is open, a ghost, or a face of 0 velocity one
+/// spacing away. A wall beside the face is half a spacing away: its mirrored ghost makes 2
+/// where the liquid sticks to it, 0 where it slides.
 fn wall_weight(mask: &Mask, walls: Walls, axis: usize, along: usize, other: [isize; 3]) -> f32 {
     let is_beside = along != axis;
-    let is_solid = !mask.is_liquid(other) && !mask.is_liquid(neighbour(other, axis, -1));
+    let is_solid = |cell| mask.contains(cell) && !mask.is_liquid(cell);
+    let is_wall = is_solid(other) && is_solid(neighbour(other, axis, -1));
     match walls {
-        _ if !(is_beside && is_solid) => 1.0,
+        _ if !(is_beside && is_wall) => 1.0,
         Walls::NoSlip => 2.0,
         Walls::FreeSlip => 0.0,
     }
@@ -100,18 +116,18 @@ mod tests {
     use crate::{grid::Grid, vessel::Vessel};
 
     #[test]
-    fn walls_of_a_box_hold_or_let_slide_and_the_lid_always_does() {
+    fn periodic_and_outflow_sides_are_open_and_all_others_closed() {
         let layout = Layout::new([4; 3]);
         let mask = Mask::new(&Grid::unit_cube(4), &Vessel::Box);
-        let weight = |walls, axis: usize, at: [usize; 3]| {
-            Faces::new(&layout, &mask, walls).weight[axis][layout.index(at[0], at[1], at[2])]
-        };
-        assert_eq!(weight(Walls::NoSlip, 0, [2, 1, 1]), 6.0);
-        assert_eq!(weight(Walls::NoSlip, 0, [2, 0, 1]), 7.0, "floor");
-        assert_eq!(weight(Walls::NoSlip, 0, [2, 3, 1]), 5.0, "lid");
-        assert_eq!(weight(Walls::NoSlip, 1, [2, 3, 1]), 6.0, "normal to the lid");
-        assert_eq!(weight(Walls::FreeSlip, 0, [2, 0, 0]), 4.0);
-        assert_eq!(weight(Walls::FreeSlip, 0, [0, 1, 1]), 0.0, "closed");
+        let sides = Sides::all(Side::NoSlip)
+            .with(0, [Side::Periodic; 2])
+            .with(1, [Side::Outflow, Side::FreeSlip]);
+        let faces = Faces::new(&layout, &mask, &sides, Walls::NoSlip);
+        let open = |axis: usize, [i, j, k]: [usize; 3]| faces.open[axis][layout.index(i, j, k)];
+        assert_eq!((open(0, [0, 1, 1]), open(1, [1, 0, 1]), open(2, [1, 1, 0])), (1.0, 1.0, 0.0));
+        assert_eq!((open(1, [1, 4, 1]), open(1, [1, 1, 1])), (0.0, 1.0));
+        assert_eq!(faces.open_count[layout.index(0, 0, 0)], 2.0 + 2.0 + 1.0);
+        assert_eq!(faces.weight[0][layout.index(2, 0, 0)], 6.0, "sides have ghosts");
     }
 
     #[test]
@@ -119,7 +135,8 @@ mod tests {
         let grid = Grid::unit_cube(8);
         let layout = Layout::new(grid.cells);
         let pot = Vessel::Pot { centre_in_world_m: glam::Vec3::splat(0.5), radius_m: 0.45 };
-        let faces = Faces::new(&layout, &Mask::new(&grid, &pot), Walls::NoSlip);
+        let faces =
+            Faces::new(&layout, &Mask::new(&grid, &pot), &Sides::all(Side::NoSlip), Walls::NoSlip);
         let open: f32 = faces.open.iter().flat_map(|open| open.iter()).sum();
         assert!(open > 0.0 && !faces.is_box);
         assert_eq!(faces.open_count.iter().sum::<f32>(), 2.0 * open);

@@ -1,16 +1,19 @@
 //! Arrays over the grid, padded so that a kernel needs no test at a wall.
 
-use std::ops::{Deref, DerefMut, Range};
+use std::{
+    ops::{Deref, DerefMut, Range},
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 /// Values per block: kernels run over whole blocks, and rows start at one.
 pub const BLOCK: usize = 16;
 
-/// How padded arrays lie in memory: x fastest, one ghost row and one ghost plane on each side,
-/// and one pad value at the end of each row, which is also the lower ghost of the next.
+/// How padded arrays lie in memory: x fastest, and one ghost at both ends of every axis.
 ///
-/// Velocity component c of index (i, j, k) is on the **lower** face along c of cell (i, j, k).
-/// Ghosts, pads and closed faces hold 0. So a kernel runs over a whole plane at once, pads
-/// and all: it multiplies by a mask, which keeps them 0, and never tests for a wall.
+/// Velocity component c of index (i, j, k) is on the **lower** face along c of cell (i, j, k);
+/// the upper face of the last cell is where a cell's ghost would be. A kernel runs over the
+/// rows of a plane at once, ghosts and all, and never tests for a wall: what it leaves in the
+/// ghosts is set right afterwards (see [`super::ghosts`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Cells along each axis.
@@ -35,8 +38,13 @@ pub struct Run {
 impl Layout {
     /// The layout of a grid of `cells`.
     pub fn new(cells: [usize; 3]) -> Self {
-        let row = cells[0] + 1;
-        Self { cells, row, plane: (row * (cells[1] + 2) + BLOCK).next_multiple_of(BLOCK) }
+        let row = cells[0] + 2;
+        let mut plane = (row * (cells[1] + 2) + BLOCK).next_multiple_of(BLOCK);
+        // Neighbouring planes a multiple of 4 KiB apart would share the same sets of the cache.
+        if plane % 1024 < BLOCK {
+            plane += 2 * BLOCK;
+        }
+        Self { cells, row, plane }
     }
 
     /// The run over `rows` of plane `k`.
@@ -47,17 +55,23 @@ impl Layout {
 
     /// Index of cell (i, j, k), or of its lower faces.
     pub fn index(&self, i: usize, j: usize, k: usize) -> usize {
-        (k + 1) * self.plane + (j + 1) * self.row + i
+        (k + 1) * self.plane + self.index_in_plane(i, j)
     }
 
     /// Index of cell (i, j, k) within its own plane, as a pool's body sees it.
     pub fn index_in_plane(&self, i: usize, j: usize) -> usize {
-        (j + 1) * self.row + i
+        (j + 1) * self.row + i + 1
     }
 
     /// Distance in memory between neighbours along x, y and z.
     pub fn strides(&self) -> [usize; 3] {
         [1, self.row, self.plane]
+    }
+
+    /// Where each row of a plane begins, in the plane.
+    pub fn rows_in_plane(&self) -> impl Iterator<Item = usize> {
+        let first = self.index_in_plane(0, 0);
+        (0..self.cells[1]).map(move |j| first + j * self.row)
     }
 
     /// A field of zeros.
@@ -79,12 +93,20 @@ pub struct Field {
     len: usize,
 }
 
+/// Arrays start at this many different distances from a page, this far apart: large ones would
+/// all start at the same one otherwise, and a kernel that runs over a dozen of them would find
+/// them all in the same few sets of the cache.
+const STAGGERS: usize = 16;
+const STAGGER: usize = 5 * BLOCK;
+
 impl Field {
     /// `len` zeros.
     pub fn zeros(len: usize) -> Self {
-        let store = vec![0.0; len + BLOCK];
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let stagger = COUNT.fetch_add(1, Ordering::Relaxed) % STAGGERS * STAGGER;
+        let store = vec![0.0; len + stagger + BLOCK];
         // The heap block of a vector that never grows stays where it is.
-        let start = store.as_ptr().align_offset(64).min(BLOCK);
+        let start = store.as_ptr().align_offset(64).min(BLOCK) + stagger;
         Self { store, start, len }
     }
 }
@@ -190,12 +212,6 @@ impl<'a> FaceRuns<'a> {
         (x.1[i] - x.0[i]) + (y.1[i] - y.0[i]) + (z.1[i] - z.0[i])
     }
 
-    /// |u| + |v| + |w| on the lower faces.
-    #[inline(always)]
-    pub fn speed(&self, i: usize) -> f32 {
-        self.x.0[i].abs() + self.y.0[i].abs() + self.z.0[i].abs()
-    }
-
     /// Adds the squares on the lower faces to `sum`.
     #[inline(always)]
     pub fn add_squares(&self, sum: &mut Lanes) {
@@ -210,13 +226,17 @@ impl<'a> FaceRuns<'a> {
 pub struct Lanes([f32; BLOCK]);
 
 impl Lanes {
-    /// Adds all `a[i] * b[i]`; both are whole blocks long.
+    /// Adds all `a[i] * b[i]`; both are of one length.
     #[inline(always)]
     pub fn add_product(&mut self, a: &[f32], b: &[f32]) {
-        for (a, b) in a.as_chunks::<BLOCK>().0.iter().zip(b.as_chunks::<BLOCK>().0) {
+        let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<BLOCK>(), b.as_chunks::<BLOCK>());
+        for (a, b) in a.iter().zip(b) {
             for lane in 0..BLOCK {
                 self.0[lane] += a[lane] * b[lane];
             }
+        }
+        for (lane, (a, b)) in self.0.iter_mut().zip(a_rest.iter().zip(b_rest)) {
+            *lane += a * b;
         }
     }
 

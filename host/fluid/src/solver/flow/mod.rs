@@ -8,6 +8,7 @@ pub(crate) mod engine;
 mod exchange;
 pub(crate) mod faces;
 pub(crate) mod field;
+mod ghosts;
 mod momentum;
 mod poisson;
 mod pressure;
@@ -17,6 +18,7 @@ mod survey;
 mod trace;
 mod transform;
 mod viscous;
+mod walls;
 
 use std::sync::Arc;
 
@@ -26,16 +28,17 @@ use self::{
     engine::Engine,
     exchange::Kernel,
     faces::{Faces, cells},
-    field::{Field, Layout, Vector, components},
+    field::{FaceRuns, Field, Layout, Vector, components, cut},
+    ghosts::{Fill, Ghosts},
     pressure::{Prediction, Projection},
-    survey::{Survey, survey},
+    survey::Survey,
 };
 use crate::{
     grid::Grid,
     mask::Mask,
     pool::Pool,
     simd::SimdClass,
-    solver::{Refused, Setup, Solver, StepReport, VectorField, VisitVelocity, within},
+    solver::{Refused, Setup, SetupError, Solver, StepReport, VectorField, VisitVelocity, within},
 };
 
 /// No velocity is accepted or kept above this.
@@ -44,18 +47,30 @@ const MAX_SPEED_M_S: f32 = 1e4;
 /// No acceleration is accepted above this.
 const MAX_ACCELERATION_M_S2: f64 = 1e6;
 
+fn not_negative(what: &'static str, value: f32) -> Result<f64, Refused> {
+    let value = f64::from(value);
+    if value < 0.0 { Err(Refused { what, value }) } else { within(what, value, 1e6) }
+}
+
 /// Incompressible flow in a vessel.
 pub struct Flow {
     grid: Grid,
     layout: Layout,
     faces: Faces,
+    ghosts: Ghosts,
+    /// True if a side can put energy in.
+    is_driven: bool,
     density_kg_m3: f64,
     viscosity_m2_s: f64,
     pool: Arc<Pool>,
     simd: SimdClass,
     velocity: Vector,
-    /// Two stages of a step, and work space of the viscous solve.
-    stage: [Vector; 3],
+    /// Two stages of a step; of a multistep one, the result and the rates of the last.
+    stage: [Vector; 2],
+    /// Length of the step that left the rates; 0 if there are none.
+    history_dt_s: f64,
+    /// Work space of the viscous solve.
+    krylov: Vector,
     pressure: Prediction,
     /// Length of the part of a step that left it; 0 if it predicts nothing.
     pressure_dt_s: f64,
@@ -77,24 +92,35 @@ struct Force {
 }
 
 impl Flow {
-    /// Liquid at rest. Density and viscosity are taken as they are in the setup, negative or
-    /// non-finite ones as 0.
-    #[must_use]
-    pub fn new(setup: &Setup) -> Self {
+    /// Liquid at rest.
+    ///
+    /// # Errors
+    /// [`SetupError`] if density or viscosity are negative, not finite or above 10^6, or the
+    /// sides make no sense together.
+    pub fn new(setup: &Setup) -> Result<Self, SetupError> {
+        let [nx, ny, nz] = setup.grid.cells;
+        setup.sides.check([ny * nz, nx * nz, nx * ny])?;
+        let density_kg_m3 = not_negative("density_kg_m3", setup.density_kg_m3)?;
+        let viscosity_m2_s = not_negative("viscosity_m2_s", setup.viscosity_m2_s)?;
         let layout = Layout::new(setup.grid.cells);
-        let faces = Faces::new(&layout, &Mask::new(&setup.grid, &setup.vessel), setup.walls);
+        let mask = Mask::new(&setup.grid, &setup.vessel);
+        let faces = Faces::new(&layout, &mask, &setup.sides, setup.walls);
+        let ghosts = Ghosts::new(&layout, &setup.sides);
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
-        Self {
+        let mut flow = Self {
             grid: setup.grid,
-            density_kg_m3: f64::from(setup.density_kg_m3).max(0.0),
-            viscosity_m2_s: f64::from(setup.viscosity_m2_s).max(0.0),
+            is_driven: setup.sides.drive(),
+            density_kg_m3,
+            viscosity_m2_s,
             pool: Arc::clone(&setup.pool),
             simd: setup.simd,
             velocity: vector(),
-            stage: [vector(), vector(), vector()],
+            stage: [vector(), vector()],
+            history_dt_s: 0.0,
+            krylov: vector(),
             pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
-            projection: Projection::new(&layout, &faces),
+            projection: Projection::new(&layout, &faces, &ghosts),
             force: None,
             force_scale: [1.0; 2],
             survey: None,
@@ -102,7 +128,10 @@ impl Flow {
             may_sleep: true,
             layout,
             faces,
-        }
+            ghosts,
+        };
+        flow.ghosts.fill(&mut flow.velocity, Fill::Projected);
+        Ok(flow)
     }
 
     /// The grid that the flow is computed on.
@@ -128,11 +157,7 @@ impl Flow {
     /// # Errors
     /// [`Refused`] if it is negative, not finite or above 10^6 m^2/s; it is unchanged then.
     pub fn set_viscosity_m2_s(&mut self, viscosity_m2_s: f32) -> Result<(), Refused> {
-        let value = f64::from(viscosity_m2_s);
-        if value < 0.0 {
-            return Err(Refused { what: "viscosity_m2_s", value });
-        }
-        self.viscosity_m2_s = within("viscosity_m2_s", value, 1e6)?;
+        self.viscosity_m2_s = not_negative("viscosity_m2_s", viscosity_m2_s)?;
         Ok(())
     }
 
@@ -162,6 +187,7 @@ impl Flow {
         let kernel = Kernel::new(&self.layout, &self.faces, centre, radius);
         let velocity = self.velocity.each_mut().map(|u| &mut **u);
         let change = kernel.push(velocity, impulse_n_s / mass_kg, MAX_SPEED_M_S);
+        self.ghosts.fill(&mut self.velocity, Fill::Projected);
         self.survey = None;
         Ok(change * mass_kg)
     }
@@ -183,7 +209,13 @@ impl Flow {
     /// Momentum of the liquid: the sum of rho u h^3 over open faces, in f64.
     #[must_use]
     pub fn momentum_n_s(&self) -> DVec3 {
-        let total = |u: &Field| u.iter().fold(0.0, |sum, u| sum + f64::from(*u));
+        let [nx, _, nz] = self.layout.cells;
+        let rows =
+            |k| self.layout.rows_in_plane().map(move |row| (k + 1) * self.layout.plane + row);
+        let total = |u: &Field| {
+            let values = (0..nz).flat_map(rows).flat_map(|row| cut(u, row, nx));
+            values.fold(0.0, |sum, u| sum + f64::from(*u))
+        };
         DVec3::from_array(self.velocity.each_ref().map(total)) * self.cell_mass_kg()
     }
 
@@ -210,7 +242,7 @@ impl Flow {
     fn surveyed(&self) -> Survey {
         self.survey.unwrap_or_else(|| {
             let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
-            survey(self.engine(), &self.layout, components(&self.velocity), force)
+            Survey::new(self.engine(), &self.layout, components(&self.velocity), force)
         })
     }
 
@@ -228,6 +260,19 @@ impl Flow {
             for c in (0..3).filter(|c| self.faces.open[*c][at] > 0.0) {
                 visit(c, at, self.face_in_world_m(c, [i, j, k]));
             }
+        }
+    }
+
+    /// Calls `visit(outflow)` for what flows out of every liquid cell, in units of face area.
+    fn visit_outflow(&self, mut visit: impl FnMut(f32)) {
+        let [nx, _, nz] = self.layout.cells;
+        let rows =
+            |k| self.layout.rows_in_plane().map(move |row| (k + 1) * self.layout.plane + row);
+        for row in (0..nz).flat_map(rows) {
+            let faces = FaceRuns::new(&self.layout, components(&self.velocity), row, nx);
+            let liquid = cut(&self.faces.liquid, row, nx);
+            let cells = (0..nx).filter(|i| liquid[*i] > 0.0);
+            cells.for_each(|i| visit(faces.outflow(i)));
         }
     }
 
@@ -257,8 +302,10 @@ impl Solver for Flow {
         let limit = f64::from(MAX_SPEED_M_S);
         self.sample("velocity_m_s", velocity_m_s, limit, &mut sampled)?;
         self.velocity = sampled;
+        self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
         self.excess_m2_s2 = 0.0;
         self.pressure_dt_s = 0.0;
+        self.history_dt_s = 0.0;
         self.survey = None;
         Ok(())
     }
@@ -283,9 +330,7 @@ impl Solver for Flow {
     }
 
     fn project(&mut self) {
-        let on = Engine { pool: &self.pool, simd: self.simd, faces: &self.faces };
-        self.projection.project(on, &mut self.velocity, &mut self.pressure, 0.0);
-        self.survey = None;
+        self.survey = Some(self.clear_divergence().survey);
     }
 
     fn visit(&self, visit: &mut VisitVelocity<'_>) {
@@ -293,19 +338,18 @@ impl Solver for Flow {
     }
 
     fn divergence_l2_per_s(&self) -> f64 {
-        let [x, y, z] = components(&self.velocity);
-        let [sx, sy, sz] = self.layout.strides();
-        let squares: f64 = cells(self.layout.cells)
-            .map(|(i, j, k)| self.layout.index(i, j, k))
-            .filter(|at| self.faces.liquid[*at] > 0.0)
-            .map(|at| x[at + sx] - x[at] + y[at + sy] - y[at] + z[at + sz] - z[at])
-            .map(|sum| f64::from(sum) * f64::from(sum))
-            .sum();
-        (squares / self.faces.liquid_cells.max(1) as f64).sqrt() / f64::from(self.grid.spacing_m)
+        let (mut squares, mut cells) = (0.0, 0);
+        self.visit_outflow(|outflow| {
+            squares += f64::from(outflow) * f64::from(outflow);
+            cells += 1;
+        });
+        (squares / f64::from(cells.max(1))).sqrt() / f64::from(self.grid.spacing_m)
     }
 
     fn divergence_max_per_s(&self) -> f64 {
-        self.surveyed().outflow_m_s / f64::from(self.grid.spacing_m)
+        let mut largest = 0f32;
+        self.visit_outflow(|outflow| largest = largest.max(outflow.abs()));
+        f64::from(largest) / f64::from(self.grid.spacing_m)
     }
 
     fn velocity_at(&self, point_in_world_m: Vec3) -> Vec3 {

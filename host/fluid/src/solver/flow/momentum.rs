@@ -10,100 +10,192 @@
 //! (adv u_c) = 1/(4 h) sum over axes d of [ q+ u_c(+d) - q- u_c(-d) ]
 //! q+ = u_d(+d) + u_d(+d - c),   q- = u_d + u_d(-c)
 //! ```
-//! It neither makes nor loses kinetic energy, whatever the divergence; closed faces need no
-//! special case, as they hold 0. The pressure is in units of p / h and that of the step before:
-//! what it is wrong by is corrected by the projection at the end of the step.
+//! It neither makes nor loses kinetic energy, whatever the divergence. What it makes of closed
+//! faces and ghosts is set right afterwards.
 
-use crate::solver::flow::{
-    faces::Faces,
-    field::{Layout, Run, Star, cut, cut_mut},
+use crate::{
+    simd::{Arithmetic, Kernel},
+    solver::flow::field::{Layout, Run, Star, cut, cut_mut},
 };
 
 /// What a stage reads.
+#[derive(Clone, Copy)]
 pub struct Stage<'a> {
     /// How the arrays lie.
     pub layout: Layout,
-    /// Open faces and viscous weights.
-    pub faces: &'a Faces,
-    /// Velocity at the start of the step.
-    pub start: [&'a [f32]; 3],
     /// Velocity that the rate of change is taken of.
     pub velocity: [&'a [f32]; 3],
-    /// Pressure per density and spacing.
-    pub pressure: &'a [f32],
     /// Acceleration to add, if any.
     pub force: Option<[&'a [f32]; 3]>,
-    /// Weights of the stage.
-    pub weights: Weights,
+    /// Factors of the terms.
+    pub terms: Terms,
 }
 
-/// `out = start_share * start + own_share * (velocity + dt * rate)`.
+/// Factors of the terms of the rate of change.
 #[derive(Clone, Copy)]
-pub struct Weights {
+pub struct Terms {
+    /// -1 / (4 h): turns products of doubled velocities into an acceleration.
+    pub advection_per_m: f32,
+    /// nu / h^2; 0 leaves viscosity out.
+    pub viscous_per_s: f32,
+    /// Scale of the force.
+    pub force: f32,
+}
+
+/// `out = velocity + new_s * rate + old_s * history`, and the rate becomes the history.
+#[derive(Clone, Copy)]
+pub struct Multistep {
+    /// Weight of the new rate.
+    pub new_s: f32,
+    /// Weight of the last one.
+    pub old_s: f32,
+}
+
+/// `out = start_share * start + own_share * (velocity + dt * (rate - grad p))`.
+#[derive(Clone, Copy)]
+pub struct RungeKutta<'a> {
+    /// Velocity at the start of the step.
+    pub start: [&'a [f32]; 3],
+    /// Pressure per density and spacing.
+    pub pressure: &'a [f32],
     /// Share of the velocity at the start of the step.
     pub start_share: f32,
     /// Share of the advanced velocity.
     pub own_share: f32,
     /// Length of the step.
     pub dt_s: f32,
-    /// dt / (4 h): turns products of doubled velocities into a change of velocity.
-    pub advection_s_m: f32,
-    /// nu dt / h^2; 0 leaves viscosity out.
-    pub viscous: f32,
-    /// dt times the scale of the force.
-    pub force_s: f32,
 }
 
-impl<'a> Stage<'a> {
-    /// Computes a run of the three components.
+/// A run of a multistep stage, with the rows of its history and its result.
+pub struct MultistepRun<'a, 'b> {
+    /// What it reads.
+    pub stage: Stage<'a>,
+    /// How it advances.
+    pub advance: Multistep,
+    /// Where.
+    pub run: Run,
+    /// The planes of the history, by component.
+    pub history: [&'b mut [f32]; 3],
+    /// The planes of the result.
+    pub out: [&'b mut [f32]; 3],
+}
+
+/// A run of a Runge-Kutta stage, with the rows of its result.
+pub struct RungeKuttaRun<'a, 'b> {
+    /// What it reads.
+    pub stage: Stage<'a>,
+    /// How it advances.
+    pub advance: RungeKutta<'a>,
+    /// Where.
+    pub run: Run,
+    /// The planes of the result.
+    pub out: [&'b mut [f32]; 3],
+}
+
+impl Kernel for MultistepRun<'_, '_> {
+    type Output = ();
+
     #[inline(always)]
-    pub fn compute(&self, run: Run, out: [&mut [f32]; 3]) {
-        match (self.weights.viscous > 0.0, self.force.is_some()) {
-            (false, false) => self.compute_kind::<false, false>(run, out),
-            (false, true) => self.compute_kind::<false, true>(run, out),
-            (true, false) => self.compute_kind::<true, false>(run, out),
-            (true, true) => self.compute_kind::<true, true>(run, out),
+    fn run<A: Arithmetic>(self) {
+        let Self { stage, advance, run: Run { at, to, len }, history, out } = self;
+        let ([gx, gy, gz], [x, y, z]) = (history, out);
+        macro_rules! component {
+            ($c:literal, $history:ident, $out:ident) => {{
+                let here = cut(stage.velocity[$c], at, len);
+                let (history, out) = (cut_mut($history, to, len), cut_mut($out, to, len));
+                stage.rates::<$c, A>(
+                    at,
+                    len,
+                    #[inline(always)]
+                    |i, rate| {
+                        let start = A::mul_add(advance.old_s, history[i], here[i]);
+                        out[i] = A::mul_add(advance.new_s, rate, start);
+                        history[i] = rate;
+                    },
+                );
+            }};
+        }
+        component!(0, gx, x);
+        component!(1, gy, y);
+        component!(2, gz, z);
+    }
+}
+
+impl Kernel for RungeKuttaRun<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) {
+        let Self { stage, advance, run: Run { at, to, len }, out: [x, y, z] } = self;
+        let strides = stage.layout.strides();
+        macro_rules! component {
+            ($c:literal, $out:ident) => {{
+                let (here, out) = (cut(stage.velocity[$c], at, len), cut_mut($out, to, len));
+                let start = cut(advance.start[$c], at, len);
+                let above = cut(advance.pressure, at, len);
+                let below = cut(advance.pressure, at - strides[$c], len);
+                stage.rates::<$c, A>(
+                    at,
+                    len,
+                    #[inline(always)]
+                    |i, rate| {
+                        let rate = rate - (above[i] - below[i]);
+                        let next = A::mul_add(advance.dt_s, rate, here[i]);
+                        let kept = advance.start_share * start[i];
+                        out[i] = A::mul_add(advance.own_share, next, kept);
+                    },
+                );
+            }};
+        }
+        component!(0, x);
+        component!(1, y);
+        component!(2, z);
+    }
+}
+
+impl Stage<'_> {
+    /// Calls `advance(i, rate)` for the rates of component `C` at `len` faces from index `at`.
+    #[inline(always)]
+    fn rates<const C: usize, A: Arithmetic>(
+        &self,
+        at: usize,
+        len: usize,
+        advance: impl FnMut(usize, f32),
+    ) {
+        match (self.terms.viscous_per_s > 0.0, self.force) {
+            (false, None) => self.rates_of::<C, false, false, A>(at, len, advance),
+            (false, Some(_)) => self.rates_of::<C, false, true, A>(at, len, advance),
+            (true, None) => self.rates_of::<C, true, false, A>(at, len, advance),
+            (true, Some(_)) => self.rates_of::<C, true, true, A>(at, len, advance),
         }
     }
 
     #[inline(always)]
-    fn compute_kind<const VISCOUS: bool, const FORCED: bool>(
+    fn rates_of<const C: usize, const VISCOUS: bool, const FORCED: bool, A: Arithmetic>(
         &self,
-        run: Run,
-        [x, y, z]: [&mut [f32]; 3],
+        at: usize,
+        len: usize,
+        mut advance: impl FnMut(usize, f32),
     ) {
-        self.component::<0, VISCOUS, FORCED>(run, cut_mut(x, run.to, run.len));
-        self.component::<1, VISCOUS, FORCED>(run, cut_mut(y, run.to, run.len));
-        self.component::<2, VISCOUS, FORCED>(run, cut_mut(z, run.to, run.len));
-    }
-
-    /// Component `C` of a run.
-    #[inline(always)]
-    fn component<const C: usize, const VISCOUS: bool, const FORCED: bool>(
-        &self,
-        Run { at, .. }: Run,
-        out: &mut [f32],
-    ) {
-        let (layout, w, len) = (&self.layout, self.weights, out.len());
+        let (layout, terms) = (&self.layout, self.terms);
         let behind = layout.strides()[C];
         let own = Star::new(layout, self.velocity[C], at, len);
         let [x, y, z] = Through::all(self.velocity, layout, at, behind, len);
-        let pressure = (cut(self.pressure, at, len), cut(self.pressure, at - behind, len));
-        let (open, start) = (cut(&self.faces.open[C], at, len), cut(self.start[C], at, len));
-        let weight = if VISCOUS { cut(&self.faces.weight[C], at, len) } else { open };
-        let force = if FORCED { self.force.map_or(open, |f| cut(f[C], at, len)) } else { open };
+        let force =
+            if FORCED { self.force.map_or(own.here, |f| cut(f[C], at, len)) } else { own.here };
         for i in 0..len {
-            let here = own.here[i];
-            let advection = x.carry(i, own.x) + y.carry(i, own.y) + z.carry(i, own.z);
-            let push = w.dt_s * (pressure.0[i] - pressure.1[i]);
-            let mut next = here - w.advection_s_m * advection - push;
+            let sum = x.carry::<A>(i, own.x, None);
+            let sum = y.carry::<A>(i, own.y, Some(sum));
+            let sum = z.carry::<A>(i, own.z, Some(sum));
+            let mut rate = terms.advection_per_m * sum;
             if VISCOUS {
-                next += w.viscous * (own.around(i) - weight[i] * here);
+                let lap = A::mul_add(-6.0, own.here[i], own.around(i));
+                rate = A::mul_add(terms.viscous_per_s, lap, rate);
             }
             if FORCED {
-                next += w.force_s * force[i];
+                rate = A::mul_add(terms.force, force[i], rate);
             }
-            out[i] = open[i] * (w.start_share * start[i] + w.own_share * next);
+            advance(i, rate);
         }
     }
 }
@@ -140,10 +232,19 @@ impl<'a> Through<'a> {
         }
     }
 
-    /// q+ above - q- below.
+    /// sum + q+ above - q- below.
     #[inline(always)]
-    fn carry(&self, i: usize, (below, above): (&[f32], &[f32])) -> f32 {
-        let Self { high, low } = self;
-        (high.0[i] + high.1[i]) * above[i] - (low.0[i] + low.1[i]) * below[i]
+    fn carry<A: Arithmetic>(
+        &self,
+        i: usize,
+        (below, above): (&[f32], &[f32]),
+        sum: Option<f32>,
+    ) -> f32 {
+        let (high, low) = (self.high.0[i] + self.high.1[i], self.low.0[i] + self.low.1[i]);
+        let in_front = match sum {
+            Some(sum) => A::mul_add(high, above[i], sum),
+            None => high * above[i],
+        };
+        A::mul_add(-low, below[i], in_front)
     }
 }

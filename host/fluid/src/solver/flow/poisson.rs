@@ -24,6 +24,24 @@ use crate::{
 /// Modes along y that are worked on together.
 const MODES: usize = 8;
 
+/// What the pressure meets at one end of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// A wall.
+    Closed,
+    /// An opening.
+    Open,
+}
+
+/// What it meets at both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ends {
+    /// Each other.
+    Periodic,
+    /// These, the lower one first.
+    Between([End; 2]),
+}
+
 /// Tables and work space for one grid.
 pub struct Poisson {
     layout: Layout,
@@ -41,7 +59,7 @@ pub struct Poisson {
 
 impl Poisson {
     /// The solver for a grid of this layout.
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &Layout, _ends: [Ends; 3]) -> Self {
         let [nx, ny, nz] = layout.cells;
         let (x, y) = (Transform::new(nx), Transform::new(ny));
         let inverse_pivot = inverse_pivots(&x.eigenvalues(), &y.eigenvalues(), nz);
@@ -226,7 +244,7 @@ mod tests {
                 mean += rhs[at] / size.iter().product::<usize>() as f32;
             }
             cells(size).for_each(|(i, j, k)| rhs[layout.index(i, j, k)] -= mean);
-            let mut poisson = Poisson::new(&layout);
+            let mut poisson = Poisson::new(&layout, [Ends::Between([End::Closed; 2]); 3]);
             for simd in SimdClass::ALL {
                 poisson.solve(&pool, simd, &rhs, &mut psi);
                 let residual = residual(&layout, &psi, &rhs);

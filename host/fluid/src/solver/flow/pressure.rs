@@ -13,7 +13,9 @@ use crate::solver::flow::{
     engine::Engine,
     faces::Faces,
     field::{FaceRuns, Field, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut},
+    ghosts::{Fill, Ghosts},
     poisson::Poisson,
+    survey::{Survey, survey_plane},
 };
 
 /// The residual may fall to this part of what it was ...
@@ -39,64 +41,76 @@ pub struct Prediction {
     pub share: f32,
 }
 
+/// What a projection found.
+pub struct Projected {
+    /// Iterations that it took.
+    pub iterations: u32,
+    /// The velocity that it left.
+    pub survey: Survey,
+}
+
 /// Solves for the pressure on one grid.
 pub struct Projection {
     layout: Layout,
     poisson: Poisson,
-    /// Solution of the last solve.
-    pub psi: Field,
+    /// Solution of the last solve; its ghosts are 0, or those of periodic sides.
+    psi: Field,
     residual: Field,
     /// Preconditioned residual, search direction, and A times it; only in a pot.
     krylov: Option<[Field; 3]>,
 }
 
 impl Projection {
-    /// For the liquid that `faces` describe.
-    pub fn new(layout: &Layout, faces: &Faces) -> Self {
+    /// For the liquid that `faces` describe, between the sides of `ghosts`.
+    pub fn new(layout: &Layout, faces: &Faces, ghosts: &Ghosts) -> Self {
         let krylov = (!faces.is_box).then(|| [layout.zeros(), layout.zeros(), layout.zeros()]);
         let (psi, residual) = (layout.zeros(), layout.zeros());
-        Self { layout: *layout, poisson: Poisson::new(layout), psi, residual, krylov }
+        let poisson = Poisson::new(layout, ghosts.pressure_ends());
+        Self { layout: *layout, poisson, psi, residual, krylov }
     }
 
-    /// Takes the divergence out of `velocity`; what that took, times `rate_per_s`, is what the
-    /// pressure was mispredicted by: 1/dt in a step, 0 outside of one.
-    /// Returns the number of iterations, 0 where the solution is direct or nothing moves.
+    /// Takes the divergence out of `velocity`, whose ghosts are filled before and after.
+    /// Returns what it found, and the number of iterations: 0 where the solution is direct.
     pub fn project(
         &mut self,
         on: Engine<'_>,
+        ghosts: &Ghosts,
         velocity: &mut Vector,
-        pressure: &mut Prediction,
-        rate_per_s: f32,
-    ) -> u32 {
+        force: Option<[&[f32]; 3]>,
+    ) -> Projected {
         let squares = self.set_residual(on, components(velocity));
-        if squares[0] == 0.0 {
-            return 0;
-        }
-        let iterations = if self.krylov.is_some() { self.iterate(on, squares) } else { 0 };
+        let iterations = if self.krylov.is_some() { self.iterate(on, ghosts, squares) } else { 0 };
         if self.krylov.is_none() {
             self.poisson.solve(on.pool, on.simd, &self.residual, &mut self.psi);
         }
-        self.correct(on, velocity, pressure, rate_per_s);
-        iterations
+        if ghosts.wrap() {
+            ghosts.wrap_cells(&mut self.psi);
+        }
+        let survey = self.correct(on, ghosts, velocity, force);
+        Projected { iterations, survey }
     }
 
     /// residual = -delta; returns its squared norm and the squared norm of the velocity.
     fn set_residual(&mut self, on: Engine<'_>, velocity: [&[f32]; 3]) -> [f64; 2] {
         let layout = self.layout;
+        let is_box = on.faces.is_box;
         let body = |k, [out]: [&mut [f32]; 1]| {
-            on.run(
+            on.rows(
                 &layout,
                 k,
                 #[inline(always)]
                 |Run { at, to, len }, sums| {
                     let out = cut_mut(out, to, len);
                     let faces = FaceRuns::new(&layout, velocity, at, len);
-                    let liquid = cut(&on.faces.liquid, at, len);
                     for i in 0..out.len() {
-                        out[i] = -liquid[i] * faces.outflow(i);
+                        out[i] = -faces.outflow(i);
                     }
-                    sums[0].add_product(out, out);
-                    faces.add_squares(&mut sums[1]);
+                    if !is_box {
+                        let liquid = cut(&on.faces.liquid, at, len);
+                        out.iter_mut().zip(liquid).for_each(|(out, liquid)| *out *= liquid);
+                        sums[0].add_product(out, out);
+                        faces.add_squares(&mut sums[1]);
+                    }
                 },
             )
         };
@@ -107,7 +121,12 @@ impl Projection {
     }
 
     /// Preconditioned conjugate gradients from psi = 0.
-    fn iterate(&mut self, on: Engine<'_>, [square, speed_square]: [f64; 2]) -> u32 {
+    fn iterate(
+        &mut self,
+        on: Engine<'_>,
+        ghosts: &Ghosts,
+        [square, speed_square]: [f64; 2],
+    ) -> u32 {
         let Self { layout, poisson, psi, residual, krylov: Some([z, p, q]) } = self else {
             return 0;
         };
@@ -120,6 +139,7 @@ impl Projection {
         }
         let mut rz = on.precondition(&layout, poisson, residual, z);
         p.copy_from_slice(z);
+        ghosts.wrap_cells(p);
         for iteration in 1..=MAX_ITERATIONS {
             let curvature = on.apply(&layout, p, q);
             if !(curvature > 0.0 && rz > 0.0) {
@@ -131,45 +151,102 @@ impl Projection {
             }
             let rz_next = on.precondition(&layout, poisson, residual, z);
             on.turn(&layout, (rz_next / rz) as f32, z, p);
+            ghosts.wrap_cells(p);
             rz = rz_next;
         }
         MAX_ITERATIONS as u32
     }
 
-    /// Subtracts the gradient of psi, snaps what is nearly at rest, and keeps the pressure.
+    /// Subtracts the gradient of psi, snaps what is nearly at rest, and surveys the outcome.
     fn correct(
         &mut self,
         on: Engine<'_>,
+        ghosts: &Ghosts,
         velocity: &mut Vector,
-        pressure: &mut Prediction,
-        rate: f32,
-    ) {
+        force: Option<[&[f32]; 3]>,
+    ) -> Survey {
         let (layout, psi) = (self.layout, &*self.psi);
-        let [x, y, z] = velocity.each_mut().map(|field| layout.planes(field));
-        let Prediction { next, trend, share } = pressure;
-        let share = *share;
-        let outs = [x, y, z, layout.planes(next), layout.planes(trend)];
-        on.pool.planes(outs, [layout.plane; 5], |k, [x, y, z, next, trend]| {
+        let [_, ny, nz] = layout.cells;
+        let beyond = usize::from(ghosts.is_free(1, 1));
+        let outs = velocity.each_mut().map(|field| layout.planes(field));
+        let body = |k: usize, [x, y, z]: [&mut [f32]; 3]| {
+            let rows = on.faces.live_rows[k].clone();
+            if rows.is_empty() {
+                return [0.0; 4];
+            }
+            let rows = if rows.end == ny { rows.start..ny + beyond } else { rows };
+            let run = layout.run(rows, k);
+            on.simd.vectorize(
+                #[inline(always)]
+                || {
+                    let psi = Star::new(&layout, psi, run.at, run.len);
+                    for (c, (u, below)) in
+                        [(&mut *x, psi.x.0), (&mut *y, psi.y.0), (&mut *z, psi.z.0)]
+                            .into_iter()
+                            .enumerate()
+                    {
+                        let u = cut_mut(u, run.to, run.len);
+                        if on.faces.is_box {
+                            correct_box(u, psi.here, below);
+                        } else {
+                            let open = cut(&on.faces.open[c], run.at, run.len);
+                            correct_open(u, open, psi.here, below);
+                        }
+                    }
+                },
+            );
+            let mut planes = [x, y, z];
+            for (c, plane) in planes.iter_mut().enumerate() {
+                ghosts.fill_plane(c, k, plane, Fill::Projected);
+            }
+            if k == 0 {
+                ghosts.set_floor(planes[2]);
+            }
+            let force = force.map(|force| force.map(|f| &f[(k + 1) * layout.plane..]));
+            survey_plane(on, &layout, planes.map(|plane| &*plane), force, k)
+        };
+        let parts = on.pool.fold(None, outs, [layout.plane; 3], body, Survey::combine);
+        if ghosts.is_free(2, 1) {
+            let last = cut(psi, nz * layout.plane, layout.plane);
+            let top = cut_mut(&mut velocity[2], (nz + 1) * layout.plane, layout.plane);
+            top.iter_mut().zip(last).for_each(|(w, psi)| *w += psi);
+        }
+        for (c, field) in velocity.iter_mut().enumerate() {
+            ghosts.fill_ends(c, field, Fill::Projected);
+        }
+        Survey::from_parts(parts)
+    }
+
+    /// Adds what the last projection took, times `rate_per_s` = 1/dt, to the prediction of the
+    /// pressure: that is what it was mispredicted by.
+    pub fn learn(&self, on: Engine<'_>, ghosts: &Ghosts, p: &mut Prediction, rate_per_s: f32) {
+        let (layout, psi, share) = (self.layout, &*self.psi, p.share);
+        let outs = [layout.planes(&mut p.next), layout.planes(&mut p.trend)];
+        on.pool.planes(outs, [layout.plane; 2], |k, [next, trend]| {
             on.run(
                 &layout,
                 k,
                 #[inline(always)]
                 |Run { at, to, len }, _| {
-                    let psi = Star::new(&layout, psi, at, len);
-                    let open = on.faces.open.each_ref();
-                    let [open_x, open_y, open_z] = [open[0], open[1], open[2]];
-                    correct_row(cut_mut(x, to, len), cut(open_x, at, len), psi.here, psi.x.0);
-                    correct_row(cut_mut(y, to, len), cut(open_y, at, len), psi.here, psi.y.0);
-                    correct_row(cut_mut(z, to, len), cut(open_z, at, len), psi.here, psi.z.0);
-                    predict(cut_mut(next, to, len), cut_mut(trend, to, len), rate, share, psi.here);
+                    let (next, trend) = (cut_mut(next, to, len), cut_mut(trend, to, len));
+                    predict(next, trend, rate_per_s, share, cut(psi, at, len));
                 },
             );
         });
+        ghosts.wrap_ends(&mut p.next);
     }
 }
 
 #[inline(always)]
-fn correct_row(u: &mut [f32], open: &[f32], above: &[f32], below: &[f32]) {
+fn correct_box(u: &mut [f32], above: &[f32], below: &[f32]) {
+    for i in 0..u.len() {
+        let next = u[i] - (above[i] - below[i]);
+        u[i] = if next.abs() < REST_M_S { 0.0 } else { next };
+    }
+}
+
+#[inline(always)]
+fn correct_open(u: &mut [f32], open: &[f32], above: &[f32], below: &[f32]) {
     for i in 0..u.len() {
         let next = u[i] - open[i] * (above[i] - below[i]);
         u[i] = if next.abs() < REST_M_S { 0.0 } else { next };

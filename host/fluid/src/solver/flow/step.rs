@@ -6,11 +6,14 @@ use crate::solver::{
         Flow, MAX_SPEED_M_S,
         engine::Engine,
         field::{Vector, components},
-        momentum::{Stage, Weights},
-        pressure::Prediction,
+        ghosts::Fill,
+        momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Stage, Terms},
+        pressure::{Prediction, Projected},
         schedule::{Plan, plan},
         survey::Survey,
-        trace, viscous, within,
+        trace, viscous,
+        walls::hold,
+        within,
     },
 };
 
@@ -57,29 +60,35 @@ impl Flow {
         let mut report =
             StepReport { substeps: plan.parts, scheme: plan.scheme, ..StepReport::at_rest() };
         self.pressure.share = plan.trend_share;
+        let mut after = before;
         for index in 0..plan.parts {
-            self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+            after = self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
         }
-        let after = self.guard(before, dt_s, &mut report);
+        let after = self.guard(before, after, dt_s, &mut report);
         self.settle(after);
         report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
         report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
-        report.divergence_max_per_s = after.outflow_m_s / f64::from(self.grid.spacing_m);
         Ok(report)
     }
 
-    fn advance_part(&mut self, part: Part, scheme: Scheme, report: &mut StepReport) {
-        if scheme != Scheme::Traced {
-            self.prepare_pressure(part, scheme);
-        }
+    fn advance_part(&mut self, part: Part, scheme: Scheme, report: &mut StepReport) -> Survey {
         match scheme {
             Scheme::Traced => self.carry(part, report),
-            _ => self.run_stages(part, scheme == Scheme::Central),
+            Scheme::Multistep => self.extrapolate(part),
+            _ => {
+                self.prepare_pressure(part, scheme);
+                self.run_stages(part, scheme == Scheme::Central);
+                if scheme == Scheme::CentralImplicit {
+                    report.viscous_iterations += self.diffuse(part.dt_s);
+                }
+            }
         }
-        if scheme != Scheme::Central {
-            report.viscous_iterations += self.diffuse(part.dt_s);
+        let Projected { iterations, survey } = self.clear_divergence();
+        report.pressure_iterations += iterations;
+        if scheme != Scheme::Multistep && scheme != Scheme::Traced {
+            self.learn_pressure(part);
         }
-        report.pressure_iterations += self.project_with_rate(1.0 / part.dt_s);
+        survey
     }
 
     fn plan(&self, dt_s: f64, before: Survey) -> Plan {
@@ -110,18 +119,16 @@ impl Flow {
     /// shorter or longer one: a push counts there as an acceleration over the part's length.
     /// Without a prediction the part is rehearsed, and what it found of the pressure is kept.
     fn prepare_pressure(&mut self, part: Part, scheme: Scheme) {
+        self.history_dt_s = 0.0;
         let ratio = part.dt_s / std::mem::replace(&mut self.pressure_dt_s, part.dt_s);
         if PREDICTABLE.contains(&ratio) {
             return;
         }
         self.forget_pressure();
-        let [.., kept] = &mut self.stage;
-        for (kept, u) in kept.iter_mut().zip(&self.velocity) {
-            kept.copy_from_slice(u);
-        }
         self.run_stages(part, scheme == Scheme::Central);
-        self.project_with_rate(1.0 / part.dt_s);
-        std::mem::swap(&mut self.velocity, &mut self.stage[2]);
+        self.clear_divergence();
+        self.learn_pressure(part);
+        std::mem::swap(&mut self.velocity, &mut self.stage[0]);
         let Prediction { next, trend, share } = &mut self.pressure;
         next.iter_mut().zip(trend.iter()).for_each(|(p, t)| *p -= *share * t);
         self.pressure.trend.fill(0.0);
@@ -132,48 +139,84 @@ impl Flow {
         self.pressure.trend.fill(0.0);
     }
 
-    fn run_stages(&mut self, part: Part, with_viscosity: bool) {
-        let Self { layout, faces, velocity, stage, pressure, pool, simd, force, .. } = self;
-        let [first, second, _] = stage;
-        let viscous = if with_viscosity {
-            self.viscosity_m2_s * part.dt_s / f64::from(self.grid.spacing_m).powi(2)
-        } else {
-            0.0
-        };
-        let force = force.as_ref().map(|force| components(&force.acceleration_m_s2));
+    fn learn_pressure(&mut self, part: Part) {
+        let Self { faces, ghosts, pressure, pool, simd, projection, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
-        for (index, (start_share, own_share, at)) in STAGES.into_iter().enumerate() {
-            let weights = Weights {
-                start_share,
-                own_share,
-                dt_s: part.dt_s as f32,
-                advection_s_m: (part.dt_s / (4.0 * f64::from(self.grid.spacing_m))) as f32,
-                viscous: viscous as f32,
-                force_s: (part.dt_s * part.scale_at(at)) as f32,
-            };
+        projection.learn(on, ghosts, pressure, (1.0 / part.dt_s) as f32);
+    }
+
+    /// The terms of a stage at `share` of the part.
+    fn terms(&self, part: Part, share: f64, with_viscosity: bool) -> Terms {
+        let spacing_m = f64::from(self.grid.spacing_m);
+        let viscosity_m2_s = if with_viscosity { self.viscosity_m2_s } else { 0.0 };
+        Terms {
+            advection_per_m: (-1.0 / (4.0 * spacing_m)) as f32,
+            viscous_per_s: (viscosity_m2_s / (spacing_m * spacing_m)) as f32,
+            force: part.scale_at(share) as f32,
+        }
+    }
+
+    /// Second-order Adams-Bashforth, for a step that may differ from the last: a first one has
+    /// no history and is Euler's.
+    fn extrapolate(&mut self, part: Part) {
+        self.pressure_dt_s = 0.0;
+        let last_dt_s = std::mem::replace(&mut self.history_dt_s, part.dt_s);
+        let ratio = if last_dt_s > 0.0 { (part.dt_s / last_dt_s).min(4.0) } else { 0.0 };
+        let advance = Multistep {
+            new_s: (part.dt_s * (1.0 + 0.5 * ratio)) as f32,
+            old_s: (-0.5 * part.dt_s * ratio) as f32,
+        };
+        let terms = self.terms(part, 0.0, true);
+        let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
+        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
+        let on = Engine { pool, simd: *simd, faces };
+        let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
+        let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
+        on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
+            let Some(run) = on.live_run(layout, k) else { return };
+            let (history, out) = ([&mut *gx, &mut *gy, &mut *gz], [&mut *x, &mut *y, &mut *z]);
+            on.simd.run(MultistepRun { stage, advance, run, history, out });
+            if !faces.is_box {
+                let rates = [gx, gy, gz];
+                hold(on, &stage, run, advance.new_s, [x, y, z], Some(rates));
+            }
+        });
+        ghosts.fill(out, Fill::Unprojected);
+        std::mem::swap(velocity, out);
+    }
+
+    fn run_stages(&mut self, part: Part, with_viscosity: bool) {
+        let terms = STAGES.map(|(.., at)| self.terms(part, at, with_viscosity));
+        let Self { layout, faces, ghosts, velocity, stage, pressure, pool, simd, .. } = self;
+        let [first, second] = stage;
+        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let on = Engine { pool, simd: *simd, faces };
+        for (index, (start_share, own_share, _)) in STAGES.into_iter().enumerate() {
             let (from, to): (&Vector, &mut Vector) = match index {
                 0 => (velocity, &mut *first),
                 1 => (&*first, &mut *second),
                 _ => (&*second, &mut *first),
             };
-            let stage = Stage {
-                layout: *layout,
-                faces,
-                start: components(velocity),
-                velocity: components(from),
+            let (layout, velocity) = (*layout, components(velocity));
+            let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
+            let advance = RungeKutta {
+                start: velocity,
                 pressure: &pressure.next,
-                force,
-                weights,
+                start_share,
+                own_share,
+                dt_s: part.dt_s as f32,
             };
             let outs = to.each_mut().map(|out| layout.planes(out));
-            on.pool.planes(outs, [layout.plane; 3], |k, out| {
-                on.run(
-                    layout,
-                    k,
-                    #[inline(always)]
-                    |run, _| stage.compute(run, out),
-                );
+            on.pool.planes(outs, [layout.plane; 3], |k, mut out| {
+                let Some(run) = on.live_run(&layout, k) else { return };
+                let reborrowed = out.each_mut().map(|out| &mut **out);
+                on.simd.run(RungeKuttaRun { stage, advance, run, out: reborrowed });
+                if !faces.is_box {
+                    hold(on, &stage, run, own_share * advance.dt_s, out, None);
+                }
             });
+            ghosts.fill(to, Fill::Unprojected);
         }
         std::mem::swap(velocity, first);
     }
@@ -181,6 +224,7 @@ impl Flow {
     /// The traced scheme: push, project, carry the velocity along itself.
     fn carry(&mut self, part: Part, report: &mut StepReport) {
         self.pressure_dt_s = 0.0;
+        self.history_dt_s = 0.0;
         let push_s = (part.dt_s * part.scale_at(0.5)) as f32;
         if let Some(force) = &self.force {
             for (u, f) in self.velocity.iter_mut().zip(&force.acceleration_m_s2) {
@@ -188,13 +232,15 @@ impl Flow {
                 pairs
                     .for_each(|(u, f)| *u = (*u + push_s * f).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S));
             }
+            self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
         }
-        report.pressure_iterations += self.project_with_rate(0.0);
-        let Self { layout, faces, velocity, stage: [once, out, _], pool, simd, .. } = self;
+        report.pressure_iterations += self.clear_divergence().iterations;
+        let Self { layout, faces, ghosts, velocity, stage: [once, out], pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         let cells_per_m_s = (part.dt_s / f64::from(self.grid.spacing_m)) as f32;
-        trace::advect(on, layout, velocity, once, out, cells_per_m_s);
+        trace::advect(on, layout, ghosts, velocity, once, out, cells_per_m_s);
         std::mem::swap(velocity, out);
+        report.viscous_iterations += self.diffuse(part.dt_s);
     }
 
     fn diffuse(&mut self, dt_s: f64) -> u32 {
@@ -202,27 +248,35 @@ impl Flow {
         if number == 0.0 {
             return 0;
         }
-        let Self { layout, faces, velocity, stage, pool, simd, .. } = self;
-        let [residual, direction, product] = stage;
+        let Self { layout, faces, ghosts, velocity, stage, krylov, pool, simd, .. } = self;
+        let [residual, direction] = stage;
         let on = Engine { pool, simd: *simd, faces };
-        viscous::solve(on, layout, velocity, viscous::Work { residual, direction, product }, number)
+        let product = krylov;
+        let work = viscous::Work { residual, direction, product };
+        viscous::solve(on, layout, ghosts, velocity, work, number)
     }
 
-    fn project_with_rate(&mut self, rate_per_s: f64) -> u32 {
-        let Self { faces, velocity, pressure, pool, simd, projection, .. } = self;
+    pub(super) fn clear_divergence(&mut self) -> Projected {
+        let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
+        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
         let on = Engine { pool, simd: *simd, faces };
-        projection.project(on, velocity, pressure, rate_per_s as f32)
+        projection.project(on, ghosts, velocity, force)
     }
 
     /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
-    /// What it does exceed it by is added up until it is worth an action.
-    fn guard(&mut self, before: Survey, dt_s: f64, report: &mut StepReport) -> Survey {
-        self.survey = None;
-        let after = self.surveyed();
+    /// What it does exceed it by is added up until it is worth an action. What moving sides and
+    /// openings give is not known here: there only the speed is bounded.
+    fn guard(
+        &mut self,
+        before: Survey,
+        after: Survey,
+        dt_s: f64,
+        report: &mut StepReport,
+    ) -> Survey {
         let [start, end] = self.force_scale;
         let work = 0.5 * dt_s * (start * before.power_m2_s3 + end * after.power_m2_s3);
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
-        self.excess_m2_s2 = (self.excess_m2_s2 + gain).max(0.0);
+        self.excess_m2_s2 = if self.is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
         let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());
         let excess = if is_tolerated { 0.0 } else { self.excess_m2_s2 };
         let for_energy = ((after.energy_m2_s2 - excess)
@@ -236,9 +290,12 @@ impl Flow {
         report.guard_actions += 1;
         self.excess_m2_s2 = 0.0;
         self.pressure_dt_s = 0.0;
+        self.history_dt_s = 0.0;
         for u in self.velocity.iter_mut().flat_map(|u| u.iter_mut()) {
             *u *= scale as f32;
         }
+        self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.survey = None;
         self.surveyed()
     }
 
@@ -247,6 +304,7 @@ impl Flow {
         if after.speed_m_s == 0.0 {
             self.forget_pressure();
             self.pressure_dt_s = 0.0;
+            self.history_dt_s = 0.0;
         }
         self.survey = Some(after);
     }
@@ -255,7 +313,6 @@ impl Flow {
         StepReport {
             asleep: survey.speed_m_s == 0.0 && !self.is_forced(),
             kinetic_energy_j: survey.energy_m2_s2 * self.cell_mass_kg(),
-            divergence_max_per_s: survey.outflow_m_s / f64::from(self.grid.spacing_m),
             ..StepReport::at_rest()
         }
     }
@@ -273,7 +330,8 @@ mod tests {
         let run = |may_sleep| {
             let vessel = Vessel::Pot { centre_in_world_m: Vec3::splat(0.5), radius_m: 0.45 };
             let grid = Grid::unit_cube(8);
-            let mut flow = Flow::new(&Setup { viscosity_m2_s: 0.1, ..Setup::new(grid, vessel) });
+            let setup = Setup { viscosity_m2_s: 0.1, ..Setup::new(grid, vessel) };
+            let mut flow = Flow::new(&setup).expect("a flow");
             flow.may_sleep = may_sleep;
             let (mut slept, mut bits) = (0, Vec::new());
             for push in 0..3 {

@@ -1,8 +1,8 @@
-//! One pass over the velocity for all that a step decides on or reports.
+//! All that a step decides on and reports, in one pass over the velocity.
 
 use crate::solver::flow::{
     engine::Engine,
-    field::{FaceRuns, Largest, Layout, Run, cut},
+    field::{Largest, Layout, Run, cut},
 };
 
 /// What a survey found. Energies are per density and cell volume.
@@ -12,66 +12,64 @@ pub struct Survey {
     pub energy_m2_s2: f64,
     /// Largest |u| + |v| + |w| over the lower faces of a cell.
     pub speed_m_s: f64,
-    /// Largest sum of a cell's face velocities: h |div u|.
-    pub outflow_m_s: f64,
     /// Sum of f . u over all faces.
     pub power_m2_s3: f64,
 }
 
-/// Surveys `velocity`; `force` is the acceleration that works on it.
-pub fn survey(
-    on: Engine<'_>,
-    layout: &Layout,
-    velocity: [&[f32]; 3],
-    force: Option<[&[f32]; 3]>,
-) -> Survey {
-    let body = |k, _: [&mut [f32]; 0]| plane(on, layout, velocity, force, k);
-    let [energy, speed, outflow, power] =
-        on.pool.fold(Some(layout.cells[2]), [], [], body, combine);
-    Survey {
-        energy_m2_s2: 0.5 * energy,
-        speed_m_s: speed,
-        outflow_m_s: outflow,
-        power_m2_s3: power,
+impl Survey {
+    /// Surveys `velocity`; `force` is the acceleration that works on it.
+    pub fn new(
+        on: Engine<'_>,
+        layout: &Layout,
+        velocity: [&[f32]; 3],
+        force: Option<[&[f32]; 3]>,
+    ) -> Self {
+        let body = |k: usize, _: [&mut [f32]; 0]| {
+            let velocity = velocity.map(|u| cut(u, (k + 1) * layout.plane, layout.plane));
+            let force = force.map(|f| f.map(|f| cut(f, (k + 1) * layout.plane, layout.plane)));
+            survey_plane(on, layout, velocity, force, k)
+        };
+        Self::from_parts(on.pool.fold(Some(layout.cells[2]), [], [], body, Self::combine))
+    }
+
+    /// The survey of the whole from that of all planes.
+    pub fn from_parts([squares, speed, power, _]: [f64; 4]) -> Self {
+        Self { energy_m2_s2: 0.5 * squares, speed_m_s: speed, power_m2_s3: power }
+    }
+
+    /// Two parts together.
+    pub fn combine(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        [a[0] + b[0], a[1].max(b[1]), a[2] + b[2], 0.0]
     }
 }
 
-fn combine(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    [a[0] + b[0], a[1].max(b[1]), a[2].max(b[2]), a[3] + b[3]]
-}
-
-fn plane(
+/// Surveys plane `k` of a velocity and a force.
+pub fn survey_plane(
     on: Engine<'_>,
     layout: &Layout,
-    velocity: [&[f32]; 3],
+    [x, y, z]: [&[f32]; 3],
     force: Option<[&[f32]; 3]>,
     k: usize,
 ) -> [f64; 4] {
-    let (mut speed, mut outflow) = (Largest::default(), Largest::default());
-    let [squares, power, ..] = on.run(
+    let mut speed = Largest::default();
+    let [squares, power, ..] = on.rows(
         layout,
         k,
         #[inline(always)]
-        |Run { at, len, .. }, sums| {
-            let faces = FaceRuns::new(layout, velocity, at, len);
-            let liquid = cut(&on.faces.liquid, at, len);
+        |Run { to, len, .. }, sums| {
+            let u = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
             speed.raise(
                 len,
                 #[inline(always)]
-                |i| faces.speed(i),
+                |i| u[0][i].abs() + u[1][i].abs() + u[2][i].abs(),
             );
-            outflow.raise(
-                len,
-                #[inline(always)]
-                |i| liquid[i] * faces.outflow(i),
-            );
-            faces.add_squares(&mut sums[0]);
-            if let Some([x, y, z]) = force {
-                sums[1].add_product(cut(x, at, len), faces.x.0);
-                sums[1].add_product(cut(y, at, len), faces.y.0);
-                sums[1].add_product(cut(z, at, len), faces.z.0);
+            u.iter().for_each(|u| sums[0].add_product(u, u));
+            if let Some(force) = force {
+                for (u, f) in u.iter().zip(force) {
+                    sums[1].add_product(u, cut(f, to, len));
+                }
             }
         },
     );
-    [squares, speed.get(), outflow.get(), power]
+    [squares, speed.get(), power, 0.0]
 }

@@ -10,6 +10,7 @@ use glam::Vec3;
 use crate::solver::flow::{
     engine::Engine,
     field::{Layout, Vector, components},
+    ghosts::{Fill, Ghosts},
 };
 
 /// Where a point lies between the eight values around it.
@@ -68,6 +69,7 @@ fn corners(layout: &Layout, field: &[f32], place: &Place) -> (f32, f32, f32) {
 pub fn advect(
     on: Engine<'_>,
     layout: &Layout,
+    ghosts: &Ghosts,
     velocity: &Vector,
     once: &mut Vector,
     out: &mut Vector,
@@ -81,6 +83,7 @@ pub fn advect(
     visit_faces(on, layout, once, |c, _, face| {
         component_at(layout, velocity[c], c, path(face, -cells_per_m_s))
     });
+    ghosts.fill(once, Fill::Unprojected);
     let once = components(once);
     visit_faces(on, layout, out, |c, at, face| {
         let departure = place(layout, c, path(face, -cells_per_m_s));
@@ -89,6 +92,7 @@ pub fn advect(
         let corrected = once[c][at] + 0.5 * (velocity[c][at] - there_and_back);
         if (low..=high).contains(&corrected) { corrected } else { once[c][at] }
     });
+    ghosts.fill(out, Fill::Unprojected);
 }
 
 /// Sets every open face to `value(component, index, position in cells)`.

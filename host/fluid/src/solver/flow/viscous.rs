@@ -12,6 +12,7 @@
 use crate::solver::flow::{
     engine::Engine,
     field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut},
+    ghosts::{Fill, Ghosts},
 };
 
 /// The residual falls to this part of the right side.
@@ -34,25 +35,30 @@ pub struct Work<'a> {
 pub fn solve(
     on: Engine<'_>,
     layout: &Layout,
+    ghosts: &Ghosts,
     velocity: &mut Vector,
     work: Work<'_>,
     a: f32,
 ) -> u32 {
     let theta = (1.0 - 4.0 / (12.0 * a)).max(0.5);
     let Work { residual, direction, product } = work;
-    apply(on, layout, components(velocity), residual, -(1.0 - theta) * a);
+    // From the velocity itself, so that its ghosts say what the sides do and all that is added
+    // are differences: A u' = (1 - (1 - theta) a D) u, residual = that - A u = -a D u.
+    apply(on, layout, components(velocity), residual, [0.0, -a]);
     for c in 0..3 {
         direction[c].copy_from_slice(&residual[c]);
-        velocity[c].fill(0.0);
     }
+    ghosts.fill(direction, Fill::Difference);
     let mut square = norm(on, layout, components(residual));
-    let small = square * TOLERANCE * TOLERANCE;
+    let small = norm(on, layout, components(velocity)).max(square) * TOLERANCE * TOLERANCE;
     for iteration in 0..MAX_ITERATIONS {
         if square <= small {
+            ghosts.fill(velocity, Fill::Unprojected);
             return iteration;
         }
-        let curvature = apply(on, layout, components(direction), product, theta * a);
+        let curvature = apply(on, layout, components(direction), product, [1.0, theta * a]);
         if curvature <= 0.0 || !curvature.is_finite() {
+            ghosts.fill(velocity, Fill::Unprojected);
             return iteration;
         }
         let alpha = (square / curvature) as f32;
@@ -61,13 +67,20 @@ pub fn solve(
         let square_next = norm(on, layout, components(residual));
         let beta = (square_next / square) as f32;
         combine(on, layout, beta, direction, 1.0, components(residual));
+        ghosts.fill(direction, Fill::Difference);
         square = square_next;
     }
     MAX_ITERATIONS
 }
 
-/// out = u + share D u; returns u . out.
-fn apply(on: Engine<'_>, layout: &Layout, u: [&[f32]; 3], out: &mut Vector, share: f32) -> f64 {
+/// out = own u + share D u; returns u . out.
+fn apply(
+    on: Engine<'_>,
+    layout: &Layout,
+    u: [&[f32]; 3],
+    out: &mut Vector,
+    shares: [f32; 2],
+) -> f64 {
     let outs = out.each_mut().map(|out| layout.planes(out));
     on.pool.planes_sum(outs, [layout.plane; 3], |k, [x, y, z]| {
         on.run(
@@ -75,9 +88,9 @@ fn apply(on: Engine<'_>, layout: &Layout, u: [&[f32]; 3], out: &mut Vector, shar
             k,
             #[inline(always)]
             |Run { at, to, len }, [sum, _]| {
-                apply_row::<0>(on, layout, u[0], at, cut_mut(x, to, len), share, sum);
-                apply_row::<1>(on, layout, u[1], at, cut_mut(y, to, len), share, sum);
-                apply_row::<2>(on, layout, u[2], at, cut_mut(z, to, len), share, sum);
+                apply_row::<0>(on, layout, u[0], at, cut_mut(x, to, len), shares, sum);
+                apply_row::<1>(on, layout, u[1], at, cut_mut(y, to, len), shares, sum);
+                apply_row::<2>(on, layout, u[2], at, cut_mut(z, to, len), shares, sum);
             },
         )[0]
     })
@@ -90,7 +103,7 @@ fn apply_row<const C: usize>(
     u: &[f32],
     at: usize,
     out: &mut [f32],
-    share: f32,
+    [own, share]: [f32; 2],
     sum: &mut Lanes,
 ) {
     let u = Star::new(layout, u, at, out.len());
@@ -98,7 +111,7 @@ fn apply_row<const C: usize>(
     let weight = cut(&on.faces.weight[C], at, out.len());
     for i in 0..out.len() {
         let here = u.here[i];
-        out[i] = open[i] * (here + share * (weight[i] * here - u.around(i)));
+        out[i] = open[i] * (own * here + share * (weight[i] * here - u.around(i)));
     }
     sum.add_product(u.here, out);
 }

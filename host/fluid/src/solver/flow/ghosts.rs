@@ -1,0 +1,265 @@
+//! The values beyond the sides of the grid that make a kernel's stencil mean what the side is.
+//!
+//! ```text
+//! side        velocity through it      velocity along it     pressure
+//! slides      0                        u_ghost = u           none: the face is set
+//! sticks      that of the side, U      u_ghost = 2 U - u     none: the face is set
+//! free        that of the next face    u_ghost = u           0
+//! periodic    all are those of the opposite side
+//! ```
+//! (Harlow, Welch 1965; Ferziger, Peric 2002.) What passes a free side is set from inside
+//! before a projection, which then corrects it like any face within.
+
+use crate::solver::{
+    Side, Sides,
+    flow::{
+        field::{Field, Layout, Vector},
+        poisson::{End, Ends},
+    },
+};
+
+/// How one side makes its ghosts.
+enum Rule {
+    Slides,
+    /// The velocity of the side at each of its points, by component; `None` if it rests.
+    Sticks(Option<[Vec<f32>; 3]>),
+    Free,
+    Periodic,
+}
+
+/// The ghosts of one grid.
+pub struct Ghosts {
+    layout: Layout,
+    rules: [[Rule; 2]; 3],
+}
+
+/// What is filled.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Fill {
+    /// A velocity that a projection follows on.
+    Unprojected,
+    /// A velocity as it is to be.
+    Projected,
+    /// A difference of two velocities: sides count as resting.
+    Difference,
+}
+
+/// A line of ghosts or of what they are made of: where it starts, and the step along it.
+#[derive(Clone, Copy)]
+struct Line {
+    start: usize,
+    step: usize,
+    len: usize,
+}
+
+impl Line {
+    fn from(self, start: usize) -> Self {
+        Self { start, ..self }
+    }
+}
+
+impl Ghosts {
+    /// The ghosts of a grid with these sides.
+    pub fn new(layout: &Layout, sides: &Sides) -> Self {
+        let [nx, ny, nz] = layout.cells.map(|n| n + 2);
+        let points = [ny * nz, nx * nz, layout.plane];
+        let rule = |axis: usize, side: Side| match side {
+            Side::FreeSlip => Rule::Slides,
+            Side::Outflow => Rule::Free,
+            Side::Periodic => Rule::Periodic,
+            Side::NoSlip | Side::Moving(_) | Side::Inflow(_) => {
+                let velocity = side.velocity_m_s(axis).unwrap_or_default().to_array();
+                let is_still = velocity == [0.0; 3];
+                Rule::Sticks((!is_still).then(|| velocity.map(|u| vec![u; points[axis]])))
+            }
+        };
+        let rules = std::array::from_fn(|axis| sides.0[axis].map(|side| rule(axis, side)));
+        Self { layout: *layout, rules }
+    }
+
+    /// What the pressure meets at the ends of each axis.
+    pub fn pressure_ends(&self) -> [Ends; 3] {
+        self.rules.each_ref().map(|rules| match rules {
+            [Rule::Periodic, _] => Ends::Periodic,
+            rules => Ends::Between(rules.each_ref().map(|rule| match rule {
+                Rule::Free => End::Open,
+                _ => End::Closed,
+            })),
+        })
+    }
+
+    /// Sets the velocity of the sides that impose one to `value(axis, component, point)`, the
+    /// point being that of the padded index (i, j, k) with the axis left out.
+    pub fn drive(&mut self, axis: usize, end: usize, value: impl Fn(usize, [usize; 2]) -> f32) {
+        let [nx, ny, nz] = self.layout.cells.map(|n| n + 2);
+        let (row, rows) = [(ny, nz), (nx, nz), (self.layout.row, ny)][axis];
+        let row_used = [ny, nx, nx][axis];
+        if let Rule::Sticks(values) = &mut self.rules[axis][end] {
+            let len = [ny * nz, nx * nz, self.layout.plane][axis];
+            let values = values.get_or_insert_with(|| [(); 3].map(|()| vec![0.0; len]));
+            for (c, values) in values.iter_mut().enumerate() {
+                for (a, b) in (0..rows).flat_map(|b| (0..row_used).map(move |a| (a, b))) {
+                    values[b * row + a] = value(c, [a, b]);
+                }
+            }
+        }
+    }
+
+    /// Fills what lies beyond x and y in plane `k` of component `c`.
+    pub fn fill_plane(&self, c: usize, k: usize, plane: &mut [f32], fill: Fill) {
+        let (layout, [nx, ny, _]) = (&self.layout, self.layout.cells);
+        let (row, first) = (layout.row, layout.index_in_plane(0, 0) - 1);
+        let along_x = Line { start: 0, step: 1, len: nx + 2 };
+        let values = (k + 1) * (nx + 2);
+        self.fill_axis(1, c, plane, ny, (first, row), along_x, values, fill);
+        let along_y = Line { start: 0, step: row, len: ny + 2 };
+        let values = (k + 1) * (ny + 2);
+        self.fill_axis(0, c, plane, nx, (1, 1), along_y, values, fill);
+    }
+
+    /// Fills the planes beyond z of component `c`; all others are to be filled before.
+    pub fn fill_ends(&self, c: usize, field: &mut Field, fill: Fill) {
+        let (plane, nz) = (self.layout.plane, self.layout.cells[2]);
+        let along = Line { start: 0, step: 1, len: plane };
+        self.fill_axis(2, c, field, nz, (plane, plane), along, 0, fill);
+    }
+
+    /// Sets what passes the lower z side in its plane of w, where the side says it.
+    pub fn set_floor(&self, plane: &mut [f32]) {
+        match &self.rules[2][0] {
+            Rule::Slides | Rule::Sticks(None) => plane.fill(0.0),
+            Rule::Sticks(Some([_, _, w])) => plane.copy_from_slice(w),
+            Rule::Free | Rule::Periodic => {}
+        }
+    }
+
+    /// Fills all ghosts of a velocity.
+    pub fn fill(&self, velocity: &mut Vector, fill: Fill) {
+        for (c, field) in velocity.iter_mut().enumerate() {
+            let planes = self.layout.planes(field).chunks_exact_mut(self.layout.plane);
+            planes.enumerate().for_each(|(k, plane)| self.fill_plane(c, k, plane, fill));
+            self.fill_ends(c, field, fill);
+        }
+    }
+
+    /// True if the side lets out what comes.
+    pub fn is_free(&self, axis: usize, end: usize) -> bool {
+        matches!(self.rules[axis][end], Rule::Free)
+    }
+
+    /// True if some axis is periodic.
+    pub fn wrap(&self) -> bool {
+        (0..3).any(|axis| self.is_periodic(axis))
+    }
+
+    fn is_periodic(&self, axis: usize) -> bool {
+        matches!(self.rules[axis][0], Rule::Periodic)
+    }
+
+    /// Fills what lies beyond periodic sides of a cell field in all planes.
+    pub fn wrap_cells(&self, field: &mut Field) {
+        let planes = self.layout.planes(field).chunks_exact_mut(self.layout.plane);
+        planes.for_each(|plane| self.wrap_plane(plane));
+        self.wrap_ends(field);
+    }
+
+    fn wrap_plane(&self, plane: &mut [f32]) {
+        let (layout, [nx, ny, _]) = (&self.layout, self.layout.cells);
+        let (row, first) = (layout.row, layout.index_in_plane(0, 0) - 1);
+        let along_x = Line { start: 0, step: 1, len: nx + 2 };
+        self.wrap_axis(1, plane, ny, (first, row), along_x);
+        let along_y = Line { start: 0, step: row, len: ny + 2 };
+        self.wrap_axis(0, plane, nx, (1, 1), along_y);
+    }
+
+    /// Fills the planes beyond z of a cell field if that is periodic.
+    pub fn wrap_ends(&self, field: &mut Field) {
+        let (plane, nz) = (self.layout.plane, self.layout.cells[2]);
+        let along = Line { start: 0, step: 1, len: plane };
+        self.wrap_axis(2, field, nz, (plane, plane), along);
+    }
+
+    fn wrap_axis(
+        &self,
+        axis: usize,
+        array: &mut [f32],
+        n: usize,
+        (first, stride): (usize, usize),
+        along: Line,
+    ) {
+        if self.is_periodic(axis) {
+            let line = |index: usize| along.from(first + index * stride);
+            copy(array, line(n - 1), along.from(first - stride), 1.0);
+            copy(array, line(0), line(n), 1.0);
+        }
+    }
+
+    /// One axis of component `c`: lines of values are `stride` apart, the first at `first`.
+    #[allow(clippy::too_many_arguments, reason = "a place in an array has many coordinates")]
+    fn fill_axis(
+        &self,
+        axis: usize,
+        c: usize,
+        array: &mut [f32],
+        n: usize,
+        (first, stride): (usize, usize),
+        along: Line,
+        values: usize,
+        fill: Fill,
+    ) {
+        let line = |index: usize| along.from(first + index * stride);
+        let below = along.from(first - stride);
+        for (end, rule) in self.rules[axis].iter().enumerate() {
+            let inner = line([0, n - 1][end]);
+            let ghost = [below, line(n)][end];
+            match rule {
+                Rule::Periodic => {
+                    copy(array, line([n - 1, 0][end]), ghost, 1.0);
+                }
+                Rule::Slides if c == axis => set(array, line([0, n][end]), 0.0),
+                Rule::Slides => copy(array, inner, ghost, 1.0),
+                Rule::Free if c == axis => {
+                    if fill != Fill::Projected {
+                        copy(array, line([1, n - 1][end]), line([0, n][end]), 1.0);
+                    }
+                }
+                Rule::Free => copy(array, inner, ghost, 1.0),
+                Rule::Sticks(velocity) => {
+                    let velocity = velocity.as_ref().filter(|_| fill != Fill::Difference);
+                    let at = if c == axis { line([0, n][end]) } else { ghost };
+                    match (c == axis, velocity) {
+                        (true, None) => set(array, at, 0.0),
+                        (false, None) => copy(array, inner, at, -1.0),
+                        (true, Some(u)) => put(array, at, &u[c][values..], 1.0, at, 0.0),
+                        (false, Some(u)) => put(array, at, &u[c][values..], 2.0, inner, -1.0),
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn set(array: &mut [f32], to: Line, value: f32) {
+    for i in 0..to.len {
+        array[to.start + i * to.step] = value;
+    }
+}
+
+/// to = sign from.
+fn copy(array: &mut [f32], from: Line, to: Line, sign: f32) {
+    if to.step == 1 && sign == 1.0 {
+        array.copy_within(from.start..from.start + from.len, to.start);
+        return;
+    }
+    for i in 0..to.len {
+        array[to.start + i * to.step] = sign * array[from.start + i * from.step];
+    }
+}
+
+/// to = share values + own from.
+fn put(array: &mut [f32], to: Line, values: &[f32], share: f32, from: Line, own: f32) {
+    for (i, value) in values.iter().enumerate().take(to.len) {
+        let here = if own == 0.0 { 0.0 } else { own * array[from.start + i * from.step] };
+        array[to.start + i * to.step] = share * value + here;
+    }
+}
