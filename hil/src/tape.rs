@@ -12,7 +12,13 @@ const TICKS: usize = 2500;
 pub fn record(path: &Path, seed: u64) -> ExitCode {
     let mut scene = (scenes::INDEX[0].make)();
     scene.regrid(16);
-    let mut world = World::new(&scene, &Options::new(seed)).map_err(|wrong| wrong.to_string())?;
+    let mut world = match World::new(&scene, &Options::new(seed)) {
+        Ok(world) => world,
+        Err(wrong) => {
+            eprintln!("cauldron-hil: {wrong}");
+            return ExitCode::from(2);
+        }
+    };
     world.device.start_tape();
     for _ in 0..TICKS {
         if let Err(error) = world.tick() {

@@ -35,7 +35,8 @@ impl Rig for SimRig {
     fn play(&mut self, scenario: &Scenario) -> Result<Trace, RigError> {
         let scene = (scenario.scene)();
         scene.check().map_err(|wrong| RigError(wrong.to_string()))?;
-        let mut world = World::new(&scene, &self.options).map_err(|wrong| wrong.to_string())?;
+        let mut world =
+            World::new(&scene, &self.options).map_err(|wrong| RigError(wrong.to_string()))?;
         let ticks = (scenario.seconds * 1e3).round() as usize;
         let mut trace =
             Trace { force_limit_n: f64::from(world.host.force_limit_n()), ..Trace::default() };
