@@ -89,6 +89,16 @@ impl Sides {
         self.0[axis] == [Side::Periodic; 2]
     }
 
+    /// Largest |u| + |v| + |w| that a side imposes.
+    #[must_use]
+    pub fn largest_speed_m_s(&self) -> f64 {
+        let speed = |(axis, side): (usize, &Side)| {
+            side.velocity_m_s(axis).map_or(0.0, |u| f64::from(u.abs().element_sum()))
+        };
+        let both = |(axis, both): (usize, &[Side; 2])| both.map(|side| speed((axis, &side)));
+        self.0.iter().enumerate().flat_map(both).fold(0.0, f64::max)
+    }
+
     /// True if some side can put energy into the flow.
     #[must_use]
     pub fn drive(&self) -> bool {

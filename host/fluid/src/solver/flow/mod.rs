@@ -60,6 +60,8 @@ pub struct Flow {
     ghosts: Ghosts,
     /// True if a side can put energy in.
     is_driven: bool,
+    /// Largest speed that a side imposes.
+    side_speed_m_s: f64,
     density_kg_m3: f64,
     viscosity_m2_s: f64,
     pool: Arc<Pool>,
@@ -110,6 +112,7 @@ impl Flow {
         let mut flow = Self {
             grid: setup.grid,
             is_driven: setup.sides.drive(),
+            side_speed_m_s: setup.sides.largest_speed_m_s(),
             density_kg_m3,
             viscosity_m2_s,
             pool: Arc::clone(&setup.pool),

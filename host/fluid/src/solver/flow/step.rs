@@ -95,7 +95,8 @@ impl Flow {
         let spacing_m = f64::from(self.grid.spacing_m);
         let scale = self.force_scale[0].abs().max(self.force_scale[1].abs());
         let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale);
-        let cfl = (before.speed_m_s + pull * dt_s) * dt_s / spacing_m;
+        let speed_m_s = before.speed_m_s.max(self.side_speed_m_s) + pull * dt_s;
+        let cfl = speed_m_s * dt_s / spacing_m;
         plan(cfl, 12.0 * self.diffusion_number(dt_s))
     }
 
@@ -107,8 +108,9 @@ impl Flow {
     }
 
     fn is_forced(&self) -> bool {
-        self.force.as_ref().is_some_and(|force| force.largest_m_s2 > 0.0)
-            && self.force_scale != [0.0; 2]
+        let is_pushed = self.force.as_ref().is_some_and(|force| force.largest_m_s2 > 0.0)
+            && self.force_scale != [0.0; 2];
+        is_pushed || self.side_speed_m_s > 0.0
     }
 
     fn diffusion_number(&self, dt_s: f64) -> f64 {
