@@ -26,8 +26,14 @@ pub(super) fn shapes(notes: &[Note<'_>], marks_px: &[[f64; 2]], area: Area) -> V
         let covers = |place: &Area| taken.iter().filter(|other| place.meets(**other)).count();
         let room = places(note).into_iter().filter(|place| area.holds(*place)).min_by_key(covers);
         if let Some(place) = room {
-            let at_px = [place.left, place.top];
-            shapes.push(Shape::words(note.words, at_px, Alignment::Left, note.colour));
+            // Letters may be narrower or wider than their room: the end at the point is fixed.
+            let is_left = f64::from(place.right) < note.at_px[0];
+            let (x, alignment) = if is_left {
+                (place.right, Alignment::Right)
+            } else {
+                (place.left, Alignment::Left)
+            };
+            shapes.push(Shape::words(note.words, [x, place.top], alignment, note.colour));
             taken.push(place);
         }
     }
@@ -73,10 +79,14 @@ mod tests {
         let placed: Vec<Area> = shapes(&notes, &marks_px, area)
             .into_iter()
             .filter_map(|shape| match shape {
-                Shape::Words(words) => Some(words.at_px),
+                Shape::Words(words) => Some(words),
                 _ => None,
             })
-            .map(|[left, top]| Area { left, top, right: left + 32, bottom: top + LETTER_HEIGHT })
+            .map(|words| {
+                let [x, top] = words.at_px;
+                let left = if words.alignment == Alignment::Right { x - 32 } else { x };
+                Area { left, top, right: left + 32, bottom: top + LETTER_HEIGHT }
+            })
             .collect();
         assert_eq!(placed.len(), 3);
         for (number, place) in placed.iter().enumerate() {
