@@ -18,7 +18,7 @@ use embedded_graphics::text::Alignment;
 
 pub use axis::{Axis, Scale};
 
-use self::shape::{Area, Layer, Shape, Size, Words};
+use self::shape::{Area, Shape, Size, Words};
 use crate::canvas::Canvas;
 
 /// A page of panels.
@@ -157,7 +157,8 @@ impl Plot {
     #[must_use]
     pub fn draw(&self, width: usize, height: usize) -> Canvas {
         let mut canvas = Canvas::new(width, height, PAPER);
-        self.layers(page(width, height)).iter().for_each(|layer| raster::draw(&mut canvas, layer));
+        let page = page(width, height);
+        raster::draw(&mut canvas, page, &self.shapes(page));
         canvas
     }
 
@@ -166,10 +167,10 @@ impl Plot {
     #[must_use]
     pub fn svg(&self, width: usize, height: usize) -> String {
         let page = page(width, height);
-        vector::document(page, &self.title, &self.layers(page))
+        vector::document(page, &self.title, &self.shapes(page))
     }
 
-    fn layers(&self, page: Area) -> Vec<Layer> {
+    fn shapes(&self, page: Area) -> Vec<Shape> {
         let title = Shape::Words(Words {
             words: self.title.clone(),
             at_px: [page.right / 2, 10],
@@ -177,7 +178,7 @@ impl Plot {
             size: Size::Large,
             colour: INK,
         });
-        let mut layers = vec![Layer { clip: page, shapes: vec![title] }];
+        let mut shapes = vec![title];
         let all_x = self.panels.iter().flat_map(Panel::all_x);
         let shared_x = self.shares_x.then(|| axis::extent(Scale::Linear, all_x)).flatten();
         let count = self.panels.len() as i32;
@@ -193,9 +194,9 @@ impl Plot {
                 // Panels that share their x stay equally wide.
                 may_narrow: !self.shares_x,
             };
-            layers.extend(panel::layers(&panel, &place));
+            panel::draw(&mut shapes, &panel, &place);
         }
-        layers
+        shapes
     }
 }
 

@@ -8,7 +8,7 @@ use super::{
     legend::{LINE_HEIGHT, Legend},
     note::{self, Note},
     series,
-    shape::{Area, Layer, Pen, Shape, width_px},
+    shape::{Area, Pen, Shape, width_px},
 };
 
 const LEFT: i32 = 84;
@@ -35,60 +35,51 @@ pub(super) struct Place {
     pub(super) may_narrow: bool,
 }
 
-/// Lays `panel` out.
-pub(super) fn layers(panel: &Panel, place: &Place) -> Vec<Layer> {
-    let mut frame = Vec::new();
-    let area = place_legend(&mut frame, panel, place);
+/// Lays `panel` out: its shapes, the last on top.
+pub(super) fn draw(shapes: &mut Vec<Shape>, panel: &Panel, place: &Place) {
+    let area = place_legend(shapes, panel, place);
     if area.width() < LEAST_PX || area.height() < LEAST_PX {
-        return vec![Layer { clip: place.page, shapes: frame }];
+        return;
     }
     let x_ends_px = [area.left, area.right].map(f64::from);
     let y_ends_px = [area.bottom, area.top].map(f64::from);
     let x = Ruler::new(&panel.x, panel.all_x(), x_ends_px, 0.02);
     let y = Ruler::new(&panel.y, panel.all_y(), y_ends_px, 0.06);
-    let mut curves = Vec::new();
+    let mut limits = Vec::new();
     for span in &panel.spans {
         let edges_px =
             [span.x.map(|value| x.px_within(value)), span.y.map(|value| y.px_within(value))];
-        frame.push(Shape::Fill { area: shade(edges_px), colour: SHADE });
+        shapes.push(Shape::Fill { area: shade(edges_px), colour: SHADE });
         // The grid is not to hide the borders of a target.
-        curves.extend(borders(span, edges_px, area));
+        limits.extend(borders(span, edges_px, area));
     }
-    draw_grid(&mut frame, area, &x, &y, place.has_x_numbers);
+    draw_grid(shapes, area, &x, &y, place.has_x_numbers);
     if place.has_x_numbers {
         let at_px = [(area.left + area.right) / 2, area.bottom + 23];
-        frame.push(Shape::words(&panel.x.label, at_px, Alignment::Center, INK));
+        shapes.push(Shape::words(&panel.x.label, at_px, Alignment::Center, INK));
     }
-    let notes = draw_series(&mut curves, panel, area, &x, &y);
-    vec![
-        Layer { clip: place.page, shapes: frame },
-        Layer { clip: area, shapes: curves },
-        Layer { clip: place.page, shapes: notes },
-    ]
+    shapes.append(&mut limits);
+    draw_series(shapes, panel, area, &x, &y);
 }
 
-/// Draws all series. Returns the words beside their points.
-fn draw_series(
-    curves: &mut Vec<Shape>,
-    panel: &Panel,
-    area: Area,
-    x: &Ruler,
-    y: &Ruler,
-) -> Vec<Shape> {
+/// Draws all series, and over them the words beside their points.
+fn draw_series(shapes: &mut Vec<Shape>, panel: &Panel, area: Area, x: &Ruler, y: &Ruler) {
     let (mut marks_px, mut notes) = (Vec::new(), Vec::new());
     let seen = |at_px: &Option<[f64; 2]>| at_px.filter(|at_px| area.contains(*at_px));
     for series in &panel.series {
         let places_px = series::places_px(series, x, y);
-        curves.extend(series::shapes(series, &places_px));
+        series::draw_lines(shapes, series, &places_px, area);
         if series.is_marked() {
             marks_px.extend(places_px.iter().filter_map(seen));
+            let marks = places_px.iter().filter_map(seen);
+            shapes.extend(marks.flat_map(|at_px| series::mark(series, at_px)));
         }
         for (at_px, words) in places_px.iter().zip(&series.notes) {
             let colour = darker(series.rgb());
             notes.extend(seen(at_px).map(|at_px| Note { at_px, words, colour }));
         }
     }
-    note::shapes(&notes, &marks_px, area)
+    shapes.extend(note::shapes(&notes, &marks_px, area));
 }
 
 /// Puts down the name of the y axis and the legend. Returns what is left for the axes.

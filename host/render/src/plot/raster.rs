@@ -1,6 +1,6 @@
-//! Shapes on a canvas: smooth lines and polygons, cut to their layer.
+//! Shapes on a canvas: smooth lines and polygons.
 
-use super::shape::{Area, DASH_PX, GAP_PX, Layer, Pen, Shape, Size};
+use super::shape::{Area, DASH_PX, GAP_PX, Pen, Shape, Size};
 use crate::{
     canvas::Canvas,
     text::{self, LARGE, SMALL},
@@ -9,14 +9,14 @@ use crate::{
 /// Samples along each edge of a pixel that say how much of it a polygon covers.
 const SAMPLES: i32 = 4;
 
-/// Draws a layer.
-pub(super) fn draw(canvas: &mut Canvas, layer: &Layer) {
-    for shape in &layer.shapes {
+/// Draws all shapes; what sticks out of the canvas is cut off.
+pub(super) fn draw(canvas: &mut Canvas, page: Area, shapes: &[Shape]) {
+    for shape in shapes {
         match shape {
-            Shape::Fill { area, colour } => fill(canvas, cut(*area, layer.clip), *colour),
-            Shape::Line { points_px, pen } => line(canvas, layer.clip, points_px, *pen),
+            Shape::Fill { area, colour } => fill(canvas, cut(*area, page), *colour),
+            Shape::Line { points_px, pen } => line(canvas, page, points_px, *pen),
             Shape::Polygon { corners_px, colour } => {
-                polygon(canvas, layer.clip, corners_px, *colour);
+                polygon(canvas, page, corners_px, *colour);
             }
             Shape::Words(words) => {
                 let font = if words.size == Size::Large { LARGE } else { SMALL };

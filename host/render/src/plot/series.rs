@@ -4,7 +4,7 @@ use super::{
     Series, Style,
     axis::Ruler,
     mark,
-    shape::{Pen, Shape},
+    shape::{Area, Pen, Shape},
 };
 
 const WIDTH_PX: f64 = 1.7;
@@ -14,35 +14,77 @@ pub(super) fn places_px(series: &Series, x: &Ruler, y: &Ruler) -> Vec<Option<[f6
     series.points.iter().map(|point| Some([x.px(point[0])?, y.px(point[1])?])).collect()
 }
 
-/// The line and the marks.
-pub(super) fn shapes(series: &Series, places_px: &[Option<[f64; 2]>]) -> Vec<Shape> {
-    // Each run of points that have a place is a line of its own.
-    let runs = places_px.split(Option::is_none);
-    let lines =
-        runs.filter_map(|run| line(series, &run.iter().copied().flatten().collect::<Vec<_>>()));
-    let marks = places_px.iter().flatten().flat_map(|at_px| marks(series, *at_px));
-    lines.chain(marks).collect()
+/// Draws as much of the line as lies in `area`; each run of points that have a place is a line
+/// of its own.
+pub(super) fn draw_lines(
+    shapes: &mut Vec<Shape>,
+    series: &Series,
+    places_px: &[Option<[f64; 2]>],
+    area: Area,
+) {
+    for run in places_px.split(Option::is_none).filter(|_| series.style != Style::Marks) {
+        let run_px: Vec<[f64; 2]> = run.iter().copied().flatten().collect();
+        let pieces = pieces_in(area, &decimated(&run_px));
+        shapes.extend(pieces.into_iter().map(|points_px| line(series, points_px)));
+    }
 }
 
 /// A piece of it for the legend.
 pub(super) fn sample(series: &Series, left: i32, right: i32, middle_y: i32) -> Vec<Shape> {
     let [left, right, y] = [left, right, middle_y].map(f64::from);
-    let line = line(series, &[[left, y], [right, y]]);
-    line.into_iter().chain(marks(series, [0.5 * (left + right), y])).collect()
+    let is_line = series.style != Style::Marks;
+    let line = is_line.then(|| line(series, vec![[left, y], [right, y]]));
+    let mark = series.is_marked().then(|| mark(series, [0.5 * (left + right), y]));
+    line.into_iter().chain(mark.into_iter().flatten()).collect()
 }
 
-fn line(series: &Series, points_px: &[[f64; 2]]) -> Option<Shape> {
+/// Its mark around a point.
+pub(super) fn mark(series: &Series, at_px: [f64; 2]) -> Vec<Shape> {
+    mark::shapes(series.colour, at_px, series.rgb())
+}
+
+fn line(series: &Series, points_px: Vec<[f64; 2]>) -> Shape {
     let is_dashed = series.style == Style::Dashed;
     let pen = Pen { colour: series.rgb(), width_px: WIDTH_PX, is_dashed };
-    let is_line = series.style != Style::Marks && points_px.len() > 1;
-    is_line.then(|| Shape::Line { points_px: decimated(points_px), pen })
+    Shape::Line { points_px, pen }
 }
 
-fn marks(series: &Series, at_px: [f64; 2]) -> Vec<Shape> {
-    match series.style {
-        Style::Marks | Style::MarkedLine => mark::shapes(series.colour, at_px, series.rgb()),
-        Style::Line | Style::Dashed => Vec::new(),
+/// What lies in `area` of the line through `points_px`, in as many pieces as that is.
+fn pieces_in(area: Area, points_px: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
+    let mut pieces: Vec<Vec<[f64; 2]>> = Vec::new();
+    for ends in points_px.windows(2) {
+        let Some([from, to]) = cut(area, [ends[0], ends[1]]) else { continue };
+        match pieces.last_mut() {
+            Some(piece) if piece.last() == Some(&from) => piece.push(to),
+            _ => pieces.push(vec![from, to]),
+        }
     }
+    pieces
+}
+
+/// The part of one straight line that lies in `area`, if any (Liang, Barsky 1984).
+fn cut(area: Area, ends: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+    // As far off any page, and still exact to a pixel.
+    let [from, to] = ends.map(|end| end.map(|px| px.clamp(-1e9, 1e9)));
+    let bounds = [[area.left, area.right], [area.top, area.bottom]];
+    let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let [low, high] = bounds[axis].map(f64::from);
+        let along = to[axis] - from[axis];
+        if along == 0.0 {
+            if from[axis] < low || from[axis] > high {
+                return None;
+            }
+            continue;
+        }
+        let [a, b] = [(low - from[axis]) / along, (high - from[axis]) / along];
+        enters = enters.max(a.min(b));
+        leaves = leaves.min(a.max(b));
+    }
+    let at = |part: f64| [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
+    let first = if enters > 0.0 { at(enters) } else { from };
+    let last = if leaves < 1.0 { at(leaves) } else { to };
+    (enters <= leaves).then_some([first, last])
 }
 
 /// `points_px` with no more than four left of those that follow each other in one column of
@@ -68,6 +110,18 @@ fn decimated(points_px: &[[f64; 2]]) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_stays_in_its_area() {
+        let area = Area { left: 0, top: 0, right: 10, bottom: 10 };
+        let line = [[-5.0, 5.0], [5.0, 5.0], [5.0, 15.0], [7.0, 15.0], [7.0, -1e300], [20.0, 5.0]];
+        let pieces = pieces_in(area, &line);
+        let wanted = [vec![[0.0, 5.0], [5.0, 5.0], [5.0, 10.0]], vec![[7.0, 10.0], [7.0, 0.0]]];
+        assert_eq!(pieces.len(), 2, "{pieces:?}");
+        for (at, wanted) in pieces.iter().flatten().zip(wanted.iter().flatten()) {
+            assert!((0..2).all(|axis| (at[axis] - wanted[axis]).abs() < 1e-5), "{pieces:?}");
+        }
+    }
 
     #[test]
     fn a_long_series_keeps_its_peaks() {

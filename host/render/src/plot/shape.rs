@@ -90,13 +90,6 @@ impl Shape {
     }
 }
 
-/// Shapes of which only what lies in `clip` is seen, the last on top.
-#[derive(Clone, Debug)]
-pub(super) struct Layer {
-    pub(super) clip: Area,
-    pub(super) shapes: Vec<Shape>,
-}
-
 /// Width that small words are given room for.
 pub(super) fn width_px(words: &str) -> i32 {
     text::width_px(words, text::SMALL)

@@ -7,43 +7,29 @@ use embedded_graphics::text::Alignment;
 
 use super::{
     INK, PAPER,
-    shape::{Area, DASH_PX, GAP_PX, Layer, Pen, Shape, Size, Words},
+    shape::{Area, DASH_PX, GAP_PX, Pen, Shape, Size, Words},
 };
 
 /// The document of a page of this size.
-pub(super) fn document(page: Area, title: &str, layers: &[Layer]) -> String {
+pub(super) fn document(page: Area, title: &str, shapes: &[Shape]) -> String {
     let mut out = String::new();
     // Writing to a string does not fail.
-    let _ = write_document(&mut out, page, title, layers);
+    let _ = write_document(&mut out, page, title, shapes);
     out
 }
 
-fn write_document(out: &mut String, page: Area, title: &str, layers: &[Layer]) -> fmt::Result {
+fn write_document(out: &mut String, page: Area, title: &str, shapes: &[Shape]) -> fmt::Result {
     let [width, height] = [page.width(), page.height()];
     writeln!(
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
-         width=\"{width}\" height=\"{height}\" role=\"img\" fill=\"{}\" font-size=\"13\" \
+         width=\"{width}\" height=\"{height}\" role=\"img\" stroke=\"none\" fill=\"{}\" font-size=\"13\" \
          font-family=\"system-ui, Helvetica, Arial, DejaVu Sans, sans-serif\">",
         Hex(INK)
     )?;
     writeln!(out, "<title>{}</title>", Escaped(title))?;
     write_fill(out, page, PAPER)?;
-    for layer in layers {
-        write_layer(out, page, layer)?;
-    }
-    writeln!(out, "</svg>")
-}
-
-fn write_layer(out: &mut String, page: Area, layer: &Layer) -> fmt::Result {
-    let clip = layer.clip;
-    // An inner document is cut at its borders, as a clip path would be, but needs no name.
-    if clip != page {
-        let (x, y, width, height) = (clip.left, clip.top, clip.width(), clip.height());
-        write!(out, "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" ")?;
-        writeln!(out, "viewBox=\"{x} {y} {width} {height}\">")?;
-    }
-    for shape in &layer.shapes {
+    for shape in shapes {
         match shape {
             Shape::Fill { area, colour } => write_fill(out, *area, *colour)?,
             Shape::Line { points_px, pen } => write_line(out, points_px, *pen)?,
@@ -55,7 +41,7 @@ fn write_layer(out: &mut String, page: Area, layer: &Layer) -> fmt::Result {
             Shape::Words(words) => write_words(out, words)?,
         }
     }
-    if clip != page { writeln!(out, "</svg>") } else { Ok(()) }
+    writeln!(out, "</svg>")
 }
 
 fn write_fill(out: &mut String, area: Area, colour: [u8; 3]) -> fmt::Result {
@@ -79,8 +65,7 @@ fn write_line(out: &mut String, points_px: &[[f64; 2]], pen: Pen) -> fmt::Result
 /// To a tenth of a pixel.
 fn write_points(out: &mut String, points_px: &[[f64; 2]]) -> fmt::Result {
     for (number, point) in points_px.iter().enumerate() {
-        // Beyond any page; larger numbers are more than viewers take.
-        let [x, y] = point.map(|px| (10.0 * px.clamp(-1e6, 1e6)).round() / 10.0);
+        let [x, y] = point.map(|px| (10.0 * px).round() / 10.0);
         write!(out, "{}{x},{y}", if number == 0 { "" } else { " " })?;
     }
     Ok(())
