@@ -4,7 +4,7 @@ use cauldron_fluid::bench::{self, Options, Row};
 use cauldron_render::{
     Plot,
     plot::{Axis, Panel, Series, Style},
-    png,
+    png, svg,
 };
 use std::{
     collections::BTreeMap,
@@ -17,6 +17,9 @@ use crate::{Failure, cli::BenchArgs};
 
 /// Repetitions of the quick run and of the full one; medians are printed.
 const REPETITIONS: [usize; 2] = [3, 9];
+
+/// Width and height of a diagram.
+const DIAGRAM: [usize; 2] = [900, 600];
 
 /// Measures the flow solvers.
 ///
@@ -81,30 +84,33 @@ fn draw(rows: &[Row], dir: &Path) -> Result<(), Failure> {
     let mut cases: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     rows.iter().for_each(|row| cases.entry(&row.case).or_default().push(row));
     for (case, rows) in cases {
-        let canvas = diagram(case, &rows).draw(900, 600);
-        png::write(dir.join(format!("fluid-{case}.png")), &canvas).map_err(|e| cannot(&e))?;
+        let (plot, [width, height]) = (diagram(case, &rows), DIAGRAM);
+        let path = |ending: &str| dir.join(format!("fluid-{case}.{ending}"));
+        png::write(path("png"), &plot.draw(width, height)).map_err(|e| cannot(&e))?;
+        svg::write(path("svg"), &plot.svg(width, height)).map_err(|e| cannot(&e))?;
     }
     Ok(())
 }
 
 fn diagram(case: &str, rows: &[&Row]) -> Plot {
-    let mut lines: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
+    let mut lines: BTreeMap<&str, Series> = BTreeMap::new();
     for row in rows {
-        let point = [row.ms.unwrap_or(f64::NAN), row.value];
-        lines.entry(&row.method).or_default().push(point);
+        let colour = lines.len();
+        let line = lines.entry(&row.method).or_insert_with(|| Series {
+            style: Style::MarkedLine,
+            ..Series::line(&row.method, Vec::new(), colour)
+        });
+        line.points.push([row.ms.unwrap_or(f64::NAN), row.value]);
+        line.notes.push(row.n.map_or(String::new(), |n| format!("n={n}")));
     }
-    let series = lines.into_iter().enumerate().map(|(colour, (method, points))| Series {
-        style: Style::MarkedLine,
-        ..Series::line(method, points, colour)
-    });
     let quantity = rows.first().map_or("", |row| row.quantity);
     Plot {
-        title: format!("{case}: error against time, n = 16 and 32"),
+        title: format!("{case}: error against time"),
         shares_x: false,
         panels: vec![Panel {
             x: Axis::log10("CPU time of a step [ms]"),
             y: Axis::log10(quantity),
-            series: series.collect(),
+            series: lines.into_values().collect(),
             spans: Vec::new(),
         }],
     }

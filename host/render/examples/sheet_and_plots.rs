@@ -1,4 +1,4 @@
-//! Draws a contact sheet and two plots of made-up data into a folder (the first argument, else
+//! Draws a contact sheet and plots of made-up data, as PNG and SVG, into a folder (the first argument, else
 //! `out/gallery`).
 
 use std::{f64::consts::TAU, path::PathBuf};
@@ -8,6 +8,7 @@ use cauldron_render::{
     plot::{Axis, Panel, Series, Span, Style},
     png, render,
     sheet::{Thumbnail, contact_sheet},
+    svg,
 };
 use glam::Vec3;
 
@@ -18,8 +19,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or("out/gallery".to_owned()));
     std::fs::create_dir_all(&folder)?;
     png::write(folder.join("sheet.png"), &sheet())?;
-    png::write(folder.join("trace.png"), &trace().draw(1200, 800))?;
-    png::write(folder.join("work.png"), &work_precision().draw(1200, 800))?;
+    let plots = [
+        ("trace", trace(), [1200, 800]),
+        ("work", work_precision(3), [900, 600]),
+        ("work-dozen", work_precision(12), [900, 600]),
+    ];
+    for (name, plot, [width, height]) in plots {
+        png::write(folder.join(format!("{name}.png")), &plot.draw(width, height))?;
+        svg::write(folder.join(format!("{name}.svg")), &plot.svg(width, height))?;
+    }
     Ok(())
 }
 
@@ -50,7 +58,7 @@ fn trace() -> Plot {
     let y = |t: f64| if t % 20.0 > 12.0 { 2.4 + 0.1 * (TAU * 40.0 * t).sin() } else { 0.0 };
     let z = |t: f64| 0.8 * (TAU * t / 3.0).cos();
     let norm = |t: f64| Vec3::new(x(t) as f32, y(t) as f32, z(t) as f32).length().into();
-    let wet = |from: f64| Span { range: [from, from + 8.0], label: "wet".to_owned() };
+    let wet = |from: f64| Span::along_x("wet", [from, from + 8.0]);
     let spans = vec![wet(12.0), wet(32.0), wet(52.0)];
     let time = Axis::linear("time [s]");
     Plot {
@@ -83,13 +91,18 @@ fn trace() -> Plot {
     }
 }
 
-/// Work against precision of three made-up solvers.
-fn work_precision() -> Plot {
-    let solver = |label: &str, colour, order: i32, cost: f64| Series {
-        label: label.to_owned(),
-        points: (3..9).map(|n| 2_f64.powi(n)).map(|n| [cost * n.powi(3), n.powi(-order)]).collect(),
-        style: Style::MarkedLine,
-        colour,
+/// Work against precision of made-up solvers, whose order and price grow with their number.
+fn work_precision(solvers: usize) -> Plot {
+    let sizes = (3..9).map(|power| 2_i32.pow(power));
+    let solver = |number: usize| {
+        let (order, price) = (1.0 + 0.25 * number as f64, 0.01 * 1.6_f64.powi(number as i32));
+        let point = |n: i32| [price * f64::from(n).powi(3), f64::from(n).powf(-order)];
+        let is_noted = number.is_multiple_of(4);
+        Series {
+            style: Style::MarkedLine,
+            notes: sizes.clone().filter(|_| is_noted).map(|n| format!("n={n}")).collect(),
+            ..Series::line(format!("order {order}"), sizes.clone().map(point).collect(), number)
+        }
     };
     Plot {
         title: "Work and precision".to_owned(),
@@ -97,12 +110,8 @@ fn work_precision() -> Plot {
         panels: vec![Panel {
             x: Axis::log10("time per step [µs]"),
             y: Axis::log10("error [-]"),
-            series: vec![
-                solver("first order", 0, 1, 0.01),
-                solver("second order", 1, 2, 0.03),
-                solver("spectral, order 4", 2, 4, 0.2),
-            ],
-            spans: Vec::new(),
+            series: (0..solvers).map(solver).collect(),
+            spans: vec![Span::at_most("target", 1e4, 1e-4)],
         }],
     }
 }

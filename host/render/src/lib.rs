@@ -4,7 +4,7 @@
 //! with a label per pixel that says what it shows; [`Image::resolve`] turns it into an 8-bit
 //! [`Canvas`]. A canvas is what everything else here speaks of: [`png`] reads and writes it,
 //! [`classify`] says how much of it is red, green or blended, [`sheet`] puts many on one page,
-//! and [`plot`] draws curves on one.
+//! and [`plot`] draws curves on one, or as a document for [`svg`].
 //!
 //! Lengths are metres in world space, y up. Colours are linear RGB until they are resolved.
 
@@ -18,7 +18,9 @@ pub mod plot;
 pub mod png;
 pub mod sheet;
 pub mod srgb;
+pub mod svg;
 
+mod file;
 mod film;
 mod frame;
 mod light;
@@ -34,6 +36,7 @@ mod volume;
 pub use camera::Camera;
 pub use canvas::Canvas;
 pub use classify::Shares;
+pub use file::FileError;
 pub use handle::Handle;
 pub use image::{Image, Layer};
 pub use march::{View, render};

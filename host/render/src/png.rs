@@ -1,54 +1,31 @@
 //! PNG files: 8-bit RGB, not interlaced.
 
 use std::{
-    fmt,
     fs::File,
     io::{BufReader, BufWriter},
-    path::{Path, PathBuf},
+    path::Path,
 };
 
-use crate::canvas::Canvas;
-
-/// A file that could not be written or read.
-#[derive(Debug)]
-pub struct PngError {
-    /// Which file.
-    pub path: PathBuf,
-    /// What was wrong, in words for a person.
-    pub reason: String,
-}
-
-impl fmt::Display for PngError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.path.display(), self.reason)
-    }
-}
-
-impl std::error::Error for PngError {}
+use crate::{canvas::Canvas, file::FileError};
 
 /// Writes `canvas` to `path`, replacing what was there.
 ///
 /// # Errors
 /// If the file cannot be made or written, or the canvas has no pixel.
-pub fn write(path: impl AsRef<Path>, canvas: &Canvas) -> Result<(), PngError> {
+pub fn write(path: impl AsRef<Path>, canvas: &Canvas) -> Result<(), FileError> {
     let path = path.as_ref();
-    encode(path, canvas).map_err(|error| failed(path, &error))
+    encode(path, canvas).map_err(|error| FileError::new(path, &error))
 }
 
 /// Reads a picture of 8-bit RGB from `path`.
 ///
 /// # Errors
 /// If the file cannot be read, or is no PNG of 8-bit RGB.
-pub fn read(path: impl AsRef<Path>) -> Result<Canvas, PngError> {
+pub fn read(path: impl AsRef<Path>) -> Result<Canvas, FileError> {
     let path = path.as_ref();
-    decode(path).map_err(|error| failed(path, &error))?.ok_or_else(|| PngError {
-        path: path.to_owned(),
-        reason: "not a picture of 8-bit RGB".to_owned(),
-    })
-}
-
-fn failed(path: &Path, error: &dyn fmt::Display) -> PngError {
-    PngError { path: path.to_owned(), reason: error.to_string() }
+    decode(path)
+        .map_err(|error| FileError::new(path, &error))?
+        .ok_or_else(|| FileError::new(path, &"not a picture of 8-bit RGB"))
 }
 
 fn encode(path: &Path, canvas: &Canvas) -> Result<(), ::png::EncodingError> {

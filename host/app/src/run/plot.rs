@@ -74,7 +74,7 @@ fn wet_spans(record: &Record) -> Vec<Span> {
         match (since, wet) {
             (None, true) => since = Some(now_s),
             (Some(from_s), false) => {
-                spans.push(Span { range: [from_s, now_s], label: "in the liquid".into() });
+                spans.push(Span::along_x("in the liquid", [from_s, now_s]));
                 since = None;
             }
             _ => {}

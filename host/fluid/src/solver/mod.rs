@@ -284,6 +284,12 @@ pub const INDEX: &[SolverRow] = &[
         make: |setup| Ok(Box::new(founding::Founding::new(setup)?)),
         known_misses: founding::KNOWN_MISSES,
     },
+    SolverRow {
+        name: "founding-repaired",
+        about: "the same with its constants repaired; 20 sweeps still do not converge",
+        make: |setup| Ok(Box::new(founding::Founding::repaired(setup)?)),
+        known_misses: founding::KNOWN_MISSES_REPAIRED,
+    },
 ];
 
 /// The solver of that name; `None` if there is none.

@@ -17,7 +17,8 @@ pub struct Axis {
     pub label: String,
     /// How values are spaced.
     pub scale: Scale,
-    /// Lowest and highest value shown; if `None`, as far as the series go and a little further.
+    /// Lowest and highest value shown; if `None`, as far as series and spans go and a little
+    /// further.
     pub range: Option<[f64; 2]>,
 }
 
@@ -82,8 +83,10 @@ impl Ruler {
         margin: f64,
     ) -> Self {
         let scale = axis.scale;
-        let fixed =
-            axis.range.and_then(|[low, high]| Some([placed(scale, low)?, placed(scale, high)?]));
+        let fixed = axis.range.and_then(|[from, to]| {
+            let [from, to] = [placed(scale, from)?, placed(scale, to)?];
+            Some([from.min(to), from.max(to)])
+        });
         let whole =
             extent(scale, values).map(|range| range.map(|v| placed(scale, v).unwrap_or(0.0)));
         let [low, high] = fixed.or(whole).unwrap_or([0.0, 1.0]);
@@ -99,6 +102,13 @@ impl Ruler {
     /// Pixel of a value; `None` if it has no place on such an axis.
     pub(super) fn px(&self, value: f64) -> Option<f64> {
         placed(self.scale, value).map(|place| self.place_px(place))
+    }
+
+    /// Pixel of a value, brought into the axis: minus infinity is at its lower end.
+    pub(super) fn px_within(&self, value: f64) -> f64 {
+        let [low, high] = self.ends_px;
+        let px = self.px(value).unwrap_or(if value > 0.0 { high } else { low });
+        px.clamp(low.min(high), low.max(high))
     }
 
     fn place_px(&self, place: f64) -> f64 {
@@ -189,6 +199,14 @@ mod tests {
         assert_eq!(labels(&ruler, 9), ["1e-3", "1e-2", "1e-1", "1e0", "1e1"].map(String::from));
         assert_eq!(ruler.px(0.1), Some(200.0));
         assert_eq!(ruler.px(-1.0), None);
+    }
+
+    #[test]
+    fn what_lies_beyond_an_axis_is_brought_to_its_ends() {
+        let axis = Axis { range: Some([1.0, 0.01]), ..Axis::log10("") };
+        let ruler = Ruler::new(&axis, std::iter::empty(), [200.0, 0.0], 0.0);
+        let ends = [f64::NEG_INFINITY, 0.0, 0.1, 7.0, f64::INFINITY].map(|v| ruler.px_within(v));
+        assert_eq!(ends, [200.0, 200.0, 100.0, 0.0, 0.0]);
     }
 
     #[test]

@@ -1,174 +1,157 @@
-//! One panel on the page: legend, grid, axes, spans, series.
+//! One panel laid out: legend, spans, grid, axes, series, notes.
 
 use embedded_graphics::text::Alignment;
 
 use super::{
-    INK, Panel, Series, Style,
-    axis::Ruler,
-    stroke::{self, Area, Pen},
-};
-use crate::{
-    canvas::Canvas,
-    text::{self, SMALL},
+    INK, Panel, SHADE, Span,
+    axis::{Ruler, Tick},
+    legend::{LINE_HEIGHT, Legend},
+    note::{self, Note},
+    series,
+    shape::{Area, Pen, Shape, width_px},
 };
 
 const LEFT: i32 = 84;
 const RIGHT: i32 = 24;
-const LINE_HEIGHT: i32 = 19;
 const X_NUMBERS_HEIGHT: i32 = 46;
 const BELOW: i32 = 14;
-const SWATCH: i32 = 24;
 /// Least distances between numbers, in pixels.
-const X_NUMBER_PX: usize = 90;
-const Y_NUMBER_PX: usize = 44;
+const X_NUMBER_PX: i32 = 64;
+const Y_NUMBER_PX: i32 = 44;
+/// No axes are smaller.
+const LEAST_PX: i32 = 8;
 
-const GRID: [u8; 3] = [226, 226, 226];
-const FINE_GRID: [u8; 3] = [243, 243, 243];
-const SHADE: [u8; 3] = [222, 236, 247];
+const GRID: [u8; 3] = [220, 220, 220];
+const FINE_GRID: [u8; 3] = [241, 241, 241];
+const LIMIT: Pen = Pen { colour: [110, 130, 150], width_px: 1.2, is_dashed: true };
 
-/// An entry of the legend.
-enum Entry<'a> {
-    Series(&'a Series),
-    Span(&'a str),
+/// Where a panel goes.
+pub(super) struct Place {
+    pub(super) page: Area,
+    pub(super) top: i32,
+    pub(super) bottom: i32,
+    pub(super) has_x_numbers: bool,
+    /// A long legend may take some of the width.
+    pub(super) may_narrow: bool,
 }
 
-/// Draws `panel` between two heights of the page.
-pub(super) fn draw(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    [top, bottom]: [i32; 2],
-    has_x_numbers: bool,
-) {
-    let right = canvas.width() as i32 - RIGHT;
-    let below_legend = draw_legend(canvas, panel, [LEFT, right], top);
-    let below = if has_x_numbers { X_NUMBERS_HEIGHT } else { BELOW };
-    let area = Area { left: LEFT, top: below_legend, right, bottom: bottom - below };
-    if area.right - area.left < 8 || area.bottom - area.top < 8 {
+/// Lays `panel` out: its shapes, the last on top.
+pub(super) fn draw(shapes: &mut Vec<Shape>, panel: &Panel, place: &Place) {
+    let area = place_legend(shapes, panel, place);
+    if area.width() < LEAST_PX || area.height() < LEAST_PX {
         return;
     }
-    let x_ends_px = [f64::from(area.left), f64::from(area.right)];
-    let y_ends_px = [f64::from(area.bottom), f64::from(area.top)];
+    let x_ends_px = [area.left, area.right].map(f64::from);
+    let y_ends_px = [area.bottom, area.top].map(f64::from);
     let x = Ruler::new(&panel.x, panel.all_x(), x_ends_px, 0.02);
     let y = Ruler::new(&panel.y, panel.all_y(), y_ends_px, 0.06);
-    draw_spans(canvas, panel, area, &x);
-    draw_x_axis(canvas, panel, area, &x, has_x_numbers);
-    draw_y_axis(canvas, area, &y);
-    draw_border(canvas, area);
-    for series in &panel.series {
-        draw_series(canvas, series, area, &x, &y);
-    }
-}
-
-/// Writes the name of the y axis and, to the right of it, the legend in as many lines as it
-/// needs. Returns where the next line would begin.
-fn draw_legend(canvas: &mut Canvas, panel: &Panel, [left, right]: [i32; 2], top: i32) -> i32 {
-    text::write(canvas, &panel.y.label, [8, top], (SMALL, INK, Alignment::Left));
-    let first = left + text::width_px(&panel.y.label, SMALL);
-    let (mut x, mut y) = (first, top);
-    for entry in legend(panel) {
-        let words = match entry {
-            Entry::Series(series) => &series.label,
-            Entry::Span(label) => label,
-        };
-        let width = SWATCH + 6 + text::width_px(words, SMALL) + 18;
-        if x + width > right && x > first {
-            (x, y) = (first, y + LINE_HEIGHT);
-        }
-        draw_swatch(canvas, &entry, [x, y]);
-        text::write(canvas, words, [x + SWATCH + 6, y], (SMALL, INK, Alignment::Left));
-        x += width;
-    }
-    y + LINE_HEIGHT
-}
-
-fn legend(panel: &Panel) -> Vec<Entry<'_>> {
-    let named = panel.series.iter().filter(|series| !series.label.is_empty()).map(Entry::Series);
-    let mut spans: Vec<&str> = panel.spans.iter().map(|span| span.label.as_str()).collect();
-    spans.retain(|label| !label.is_empty());
-    spans.dedup();
-    named.chain(spans.into_iter().map(Entry::Span)).collect()
-}
-
-fn draw_swatch(canvas: &mut Canvas, entry: &Entry, [x, y]: [i32; 2]) {
-    let area = Area { left: x, top: y, right: x + SWATCH, bottom: y + 13 };
-    let middle = f64::from(y) + 7.0;
-    let points_px = [[f64::from(x), middle], [f64::from(x + SWATCH), middle]];
-    match entry {
-        Entry::Series(series) => draw_points(canvas, area, &points_px, series),
-        Entry::Span(_) => fill(canvas, area, SHADE),
-    }
-}
-
-fn draw_spans(canvas: &mut Canvas, panel: &Panel, area: Area, x: &Ruler) {
+    let mut limits = Vec::new();
     for span in &panel.spans {
-        if let [Some(from), Some(to)] = span.range.map(|value| x.px(value)) {
-            let left = (from as i32).max(area.left);
-            fill(canvas, Area { left, right: (to as i32).min(area.right), ..area }, SHADE);
+        let edges_px =
+            [span.x.map(|value| x.px_within(value)), span.y.map(|value| y.px_within(value))];
+        shapes.push(Shape::Fill { area: shade(edges_px), colour: SHADE });
+        // The grid is not to hide the borders of a target.
+        limits.extend(borders(span, edges_px, area));
+    }
+    draw_grid(shapes, area, &x, &y, place.has_x_numbers);
+    if place.has_x_numbers {
+        let at_px = [(area.left + area.right) / 2, area.bottom + 23];
+        shapes.push(Shape::words(&panel.x.label, at_px, Alignment::Center, INK));
+    }
+    shapes.append(&mut limits);
+    draw_series(shapes, panel, area, &x, &y);
+}
+
+/// Draws all series, and over them the words beside their points.
+fn draw_series(shapes: &mut Vec<Shape>, panel: &Panel, area: Area, x: &Ruler, y: &Ruler) {
+    let (mut marks_px, mut notes) = (Vec::new(), Vec::new());
+    let seen = |at_px: &Option<[f64; 2]>| at_px.filter(|at_px| area.contains(*at_px));
+    for series in &panel.series {
+        let places_px = series::places_px(series, x, y);
+        series::draw_lines(shapes, series, &places_px, area);
+        if series.is_marked() {
+            marks_px.extend(places_px.iter().filter_map(seen));
+            let marks = places_px.iter().filter_map(seen);
+            shapes.extend(marks.flat_map(|at_px| series::mark(series, at_px)));
+        }
+        for (at_px, words) in places_px.iter().zip(&series.notes) {
+            let colour = darker(series.rgb());
+            notes.extend(seen(at_px).map(|at_px| Note { at_px, words, colour }));
+        }
+    }
+    shapes.extend(note::shapes(&notes, &marks_px, area));
+}
+
+/// Puts down the name of the y axis and the legend. Returns what is left for the axes.
+fn place_legend(shapes: &mut Vec<Shape>, panel: &Panel, place: &Place) -> Area {
+    let below = if place.has_x_numbers { X_NUMBERS_HEIGHT } else { BELOW };
+    let right = place.page.right - RIGHT;
+    let first_line = place.top + LINE_HEIGHT;
+    let area = Area { left: LEFT, top: first_line, right, bottom: place.bottom - below };
+    shapes.push(Shape::words(&panel.y.label, [8, place.top], Alignment::Left, INK));
+    let legend = Legend::of(panel);
+    match legend.column_width(area).filter(|_| place.may_narrow) {
+        Some(width) => {
+            legend.column(shapes, [right - width, area.top]);
+            Area { right: right - width - RIGHT, ..area }
+        }
+        None => {
+            let ends = [LEFT + width_px(&panel.y.label), right];
+            Area { top: legend.rows(shapes, ends, place.top), ..area }
         }
     }
 }
 
-fn draw_x_axis(canvas: &mut Canvas, panel: &Panel, area: Area, x: &Ruler, has_numbers: bool) {
-    for tick in x.ticks((area.right - area.left) as usize / X_NUMBER_PX) {
-        let at = (tick.at_px as i32).clamp(area.left, area.right - 1);
-        let colour = if tick.label.is_some() { GRID } else { FINE_GRID };
-        fill(canvas, Area { left: at, right: at + 1, ..area }, colour);
-        if let Some(label) = tick.label.filter(|_| has_numbers) {
-            let place = [at, area.bottom + 5];
-            text::write(canvas, &label, place, (SMALL, INK, Alignment::Center));
-        }
-    }
-    if has_numbers {
-        let place = [(area.left + area.right) / 2, area.bottom + 23];
-        text::write(canvas, &panel.x.label, place, (SMALL, INK, Alignment::Center));
-    }
+/// Small letters need more contrast than lines do.
+fn darker(colour: [u8; 3]) -> [u8; 3] {
+    colour.map(|part| (f32::from(part) * 0.75) as u8)
 }
 
-fn draw_y_axis(canvas: &mut Canvas, area: Area, y: &Ruler) {
-    for tick in y.ticks((area.bottom - area.top) as usize / Y_NUMBER_PX) {
-        let at = (tick.at_px as i32).clamp(area.top, area.bottom - 1);
-        let colour = if tick.label.is_some() { GRID } else { FINE_GRID };
-        fill(canvas, Area { top: at, bottom: at + 1, ..area }, colour);
-        if let Some(label) = tick.label {
-            let place = [area.left - 6, at - 6];
-            text::write(canvas, &label, place, (SMALL, INK, Alignment::Right));
-        }
-    }
+fn shade([[left, right], [bottom, top]]: [[f64; 2]; 2]) -> Area {
+    let [left, top, right, bottom] = [left, top, right, bottom].map(|px| px as i32);
+    Area { left, top, right, bottom }
 }
 
-fn draw_border(canvas: &mut Canvas, area: Area) {
-    fill(canvas, Area { left: area.left - 1, right: area.left, ..area }, INK);
-    let bottom = area.bottom + 1;
-    fill(canvas, Area { left: area.left - 1, top: area.bottom, bottom, ..area }, INK);
+/// Dashed lines where a target ends, but for where only the axes do.
+fn borders(span: &Span, [x_px, y_px]: [[f64; 2]; 2], area: Area) -> Vec<Shape> {
+    let is_inner = |px: f64, low: i32, high: i32| px > f64::from(low) && px < f64::from(high);
+    let upright = x_px.into_iter().filter(|px| is_inner(*px, area.left, area.right));
+    let level = y_px.into_iter().filter(|px| is_inner(*px, area.top, area.bottom));
+    let upright = upright.map(|px| y_px.map(|y| [px, y]).to_vec());
+    let lines = upright.chain(level.map(|px| x_px.map(|x| [x, px]).to_vec()));
+    let is_target = span.y != Span::ENDLESS;
+    lines.filter(|_| is_target).map(|points_px| Shape::Line { points_px, pen: LIMIT }).collect()
 }
 
-fn draw_series(canvas: &mut Canvas, series: &Series, area: Area, x: &Ruler, y: &Ruler) {
-    let places_px: Vec<Option<[f64; 2]>> =
-        series.points.iter().map(|point| Some([x.px(point[0])?, y.px(point[1])?])).collect();
-    // Each run of points that have a place is a line of its own.
-    for run in places_px.split(Option::is_none) {
-        let run_px: Vec<[f64; 2]> = run.iter().copied().flatten().collect();
-        draw_points(canvas, area, &run_px, series);
+fn draw_grid(shapes: &mut Vec<Shape>, area: Area, x: &Ruler, y: &Ruler, has_x_numbers: bool) {
+    let upright = |tick: &Tick| {
+        let left = (tick.at_px as i32).clamp(area.left, area.right - 1);
+        Area { left, right: left + 1, ..area }
+    };
+    let level = |tick: &Tick| {
+        let top = (tick.at_px as i32).clamp(area.top, area.bottom - 1);
+        Area { top, bottom: top + 1, ..area }
+    };
+    let along_x = x.ticks((area.width() / X_NUMBER_PX) as usize);
+    let along_y = y.ticks((area.height() / Y_NUMBER_PX) as usize);
+    let lines_x = along_x.into_iter().map(|tick| (upright(&tick), tick.label, true));
+    let lines_y = along_y.into_iter().map(|tick| (level(&tick), tick.label, false));
+    // Fine lines first, so that none is drawn across a numbered one.
+    let mut lines: Vec<_> = lines_x.chain(lines_y).collect();
+    lines.sort_by_key(|(_, label, _)| label.is_some());
+    for (line, label, is_upright) in lines {
+        let colour = if label.is_some() { GRID } else { FINE_GRID };
+        shapes.push(Shape::Fill { area: line, colour });
+        let Some(label) = label.filter(|_| has_x_numbers || !is_upright) else { continue };
+        let (at_px, alignment) = if is_upright {
+            ([line.left, area.bottom + 5], Alignment::Center)
+        } else {
+            ([area.left - 6, line.top - 6], Alignment::Right)
+        };
+        shapes.push(Shape::words(&label, at_px, alignment, INK));
     }
-}
-
-fn draw_points(canvas: &mut Canvas, area: Area, points_px: &[[f64; 2]], series: &Series) {
-    let is_dashed = series.style == Style::Dashed;
-    let pen = Pen { colour: series.rgb(), width_px: 1.7, is_dashed };
-    if series.style != Style::Marks {
-        stroke::line(canvas, area, &stroke::decimated(points_px), pen);
-    }
-    if matches!(series.style, Style::Marks | Style::MarkedLine) {
-        for at_px in points_px {
-            stroke::mark(canvas, area, *at_px, pen.colour);
-        }
-    }
-}
-
-fn fill(canvas: &mut Canvas, area: Area, colour: [u8; 3]) {
-    for y in area.top.max(0)..area.bottom {
-        for x in area.left.max(0)..area.right {
-            canvas.blend(x as usize, y as usize, colour, 1.0);
-        }
-    }
+    let [left, bottom] = [area.left - 1, area.bottom];
+    shapes.push(Shape::Fill { area: Area { left, right: area.left, ..area }, colour: INK });
+    let floor = Area { left, top: bottom, bottom: bottom + 1, ..area };
+    shapes.push(Shape::Fill { area: floor, colour: INK });
 }
