@@ -1,8 +1,8 @@
 //! One build, every machine: kernels are compiled for several vector widths and the
 //! widest that the processor has is called at run time.
 //!
-//! Nothing here multiplies and adds in one rounding, and no sum is reordered, so all classes
-//! compute the same bits: a class is a speed, never a result.
+//! No sum is reordered, so that classes differ in their bits only where a kernel asks for
+//! [`SimdClass::multiply_add`], and 256 and 512 bits not even there.
 
 use std::fmt;
 
@@ -29,7 +29,7 @@ impl SimdClass {
             if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
                 return Self::Avx512;
             }
-            if is_x86_feature_detected!("avx2") {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 return Self::Avx2;
             }
         }
@@ -60,6 +60,16 @@ impl SimdClass {
     /// `class.vectorize(#[inline(always)] || ...)` and keep its callees `#[inline(always)]`.
     #[inline]
     pub fn vectorize<R>(self, kernel: impl FnOnce() -> R) -> R {
+        self.vectorize_as(
+            #[inline(always)]
+            |_| kernel(),
+        )
+    }
+
+    /// As [`SimdClass::vectorize`], and tells the kernel the class that it is compiled for: a
+    /// constant there, so that a choice by class costs nothing.
+    #[inline]
+    pub fn vectorize_as<R>(self, kernel: impl FnOnce(Self) -> R) -> R {
         #[cfg(target_arch = "x86_64")]
         #[allow(unsafe_code, reason = "a function with target features is unsafe to call")]
         match self.min(Self::detect()) {
@@ -67,10 +77,17 @@ impl SimdClass {
             Self::Avx512 => unsafe { with_avx512(kernel) },
             // SAFETY: as above.
             Self::Avx2 => unsafe { with_avx2(kernel) },
-            Self::Portable => kernel(),
+            Self::Portable => kernel(Self::Portable),
         }
         #[cfg(not(target_arch = "x86_64"))]
-        kernel()
+        kernel(Self::Portable)
+    }
+
+    /// a b + c: rounded once where [`SimdClass::vectorize_as`] says that the processor can.
+    #[inline(always)]
+    #[must_use]
+    pub fn multiply_add(self, a: f32, b: f32, c: f32) -> f32 {
+        if self == Self::Portable { a * b + c } else { a.mul_add(b, c) }
     }
 }
 
@@ -82,14 +99,14 @@ impl fmt::Display for SimdClass {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl")]
-fn with_avx512<R>(kernel: impl FnOnce() -> R) -> R {
-    kernel()
+fn with_avx512<R>(kernel: impl FnOnce(SimdClass) -> R) -> R {
+    kernel(SimdClass::Avx512)
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn with_avx2<R>(kernel: impl FnOnce() -> R) -> R {
-    kernel()
+#[target_feature(enable = "avx2,fma")]
+fn with_avx2<R>(kernel: impl FnOnce(SimdClass) -> R) -> R {
+    kernel(SimdClass::Avx2)
 }
 
 #[cfg(test)]
@@ -102,6 +119,20 @@ mod tests {
             assert_eq!(SimdClass::parse(class.name()), Some(class));
         }
         assert_eq!(SimdClass::parse("sse9"), None);
+    }
+
+    #[test]
+    fn products_and_sums_are_rounded_once_or_twice() {
+        let [a, b, c] = [1.0 + f32::EPSILON, 1.0 - f32::EPSILON, -1.0].map(std::hint::black_box);
+        for asked in SimdClass::ALL {
+            let (class, sum) = asked.vectorize_as(
+                #[inline(always)]
+                |class| (class, class.multiply_add(a, b, c)),
+            );
+            assert_eq!(class, asked.min(SimdClass::detect()));
+            let once = -f32::EPSILON * f32::EPSILON;
+            assert_eq!(sum, if class == SimdClass::Portable { 0.0 } else { once });
+        }
     }
 
     #[test]

@@ -15,7 +15,6 @@ mod schedule;
 mod step;
 mod survey;
 mod trace;
-mod transform;
 mod viscous;
 
 use std::sync::Arc;
@@ -94,7 +93,7 @@ impl Flow {
             stage: [vector(), vector(), vector()],
             pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
-            projection: Projection::new(&layout, &faces),
+            projection: Projection::new(&layout, &faces, &setup.pool),
             force: None,
             force_scale: [1.0; 2],
             survey: None,

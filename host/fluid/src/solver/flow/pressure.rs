@@ -9,11 +9,12 @@
 //! the whole box, solution restricted to the liquid. The energy of the extension is bounded by
 //! that of the liquid's own field, so the number of iterations does not grow with the grid.
 
+use crate::pool::Pool;
 use crate::solver::flow::{
     engine::Engine,
     faces::Faces,
     field::{FaceRuns, Field, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut},
-    poisson::Poisson,
+    poisson::{Poisson, basis::Ends},
 };
 
 /// The residual may fall to this part of what it was ...
@@ -52,10 +53,11 @@ pub struct Projection {
 
 impl Projection {
     /// For the liquid that `faces` describe.
-    pub fn new(layout: &Layout, faces: &Faces) -> Self {
+    pub fn new(layout: &Layout, faces: &Faces, pool: &Pool) -> Self {
+        let poisson = Poisson::new(layout, [Ends::CLOSED; 3], pool.threads());
         let krylov = (!faces.is_box).then(|| [layout.zeros(), layout.zeros(), layout.zeros()]);
         let (psi, residual) = (layout.zeros(), layout.zeros());
-        Self { layout: *layout, poisson: Poisson::new(layout), psi, residual, krylov }
+        Self { layout: *layout, poisson, psi, residual, krylov }
     }
 
     /// Takes the divergence out of `velocity`; what that took, times `rate_per_s`, is what the
