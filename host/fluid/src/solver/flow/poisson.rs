@@ -9,6 +9,7 @@
 
 pub mod basis;
 mod column;
+mod lanes;
 mod product;
 mod transform;
 
@@ -66,6 +67,7 @@ impl Poisson {
     }
 
     /// Solves in place: `psi` is a padded array that comes in as the right-hand side.
+    #[allow(dead_code)]
     pub fn solve_in_place(&mut self, pool: &Pool, simd: SimdClass, psi: &mut Field) {
         self.transform(pool, simd, psi);
         self.solve_columns(pool, simd);
@@ -199,28 +201,42 @@ mod tests {
 
     #[test]
     fn timing() {
-        for threads in [1, 2] {
+        let list = |name: &str, or: &str| -> Vec<usize> {
+            let text = std::env::var(name).unwrap_or(or.into());
+            text.split(',').map(|s| s.parse().expect("number")).collect()
+        };
+        for threads in list("THREADS", "1") {
             let pool = Pool::new(threads, true);
-            for n in [16usize, 32, 48, 64, 96, 128] {
+            for n in list("N", "16,32,48,64,96,128") {
                 let layout = Layout::new([n; 3]);
                 let mut rhs = layout.zeros();
                 cells([n; 3]).for_each(|(i, j, k)| {
-                    rhs[layout.index(i, j, k)] = ((3 * i + 5 * j + 7 * k) as f32).sin()
+                    rhs[layout.index(i, j, k)] = ((3 * i + 5 * j + 7 * k) as f32).sin();
                 });
                 let mut psi = layout.zeros();
                 let mut poisson = Poisson::new(&layout, [Ends::CLOSED; 3], pool.threads());
-                for simd in [SimdClass::Avx2, SimdClass::Avx512] {
+                for simd in list("SIMD", "1,2").into_iter().map(|s| SimdClass::ALL[s]) {
                     let mut times = vec![];
-                    for _ in 0..(60_000_000 / (n * n * n * n)).clamp(10, 300) {
+                    let mut part = [1e9f64; 3];
+                    for _ in 0..(list("REPS", "300000000")[0] / (n * n * n * n)).clamp(20, 200_000)
+                    {
                         let t = std::time::Instant::now();
-                        poisson.solve(&pool, simd, &rhs, &mut psi);
-                        times.push(t.elapsed().as_secs_f64() * 1e3);
+                        poisson.transform(&pool, simd, &rhs);
+                        let a = t.elapsed().as_secs_f64() * 1e3;
+                        poisson.solve_columns(&pool, simd);
+                        let b = t.elapsed().as_secs_f64() * 1e3;
+                        poisson.transform_back(&pool, simd, &mut psi);
+                        let c = t.elapsed().as_secs_f64() * 1e3;
+                        for (m, v) in part.iter_mut().zip([a, b - a, c - b]) {
+                            *m = m.min(v);
+                        }
+                        times.push(c);
                     }
                     times.sort_by(f64::total_cmp);
+                    let median = times[times.len() / 2];
                     println!(
-                        "threads {threads} n {n} {simd}: min {:.4} median {:.4} ms",
-                        times[0],
-                        times[times.len() / 2]
+                        "threads {threads} n {n} {simd}: {:.4} {median:.4} ms, {part:.4?}",
+                        times[0]
                     );
                 }
             }

@@ -15,16 +15,23 @@
 //! The constant mode of a closed box is singular: its last pivot is 0 and counts as infinite,
 //! which makes its even part 0 in the middle.
 
-use super::basis::{End, Ends};
+use super::{
+    basis::{End, Ends},
+    lanes::{add, multiply_add, subtract, times},
+};
 use crate::{pool::Column, simd::SimdClass, solver::flow::field::Field};
 
 /// Values of a plane that lie together in a column.
 pub const WIDTH: usize = 64;
 
-/// Values that are worked on at once: their running values stay in registers.
-const BLOCK: usize = 32;
+/// Values of a block.
+const LANES: usize = 16;
 
-type Block = [f32; BLOCK];
+/// Blocks that are worked on at once, so that one hides the latency of the others; their
+/// running values stay in registers.
+const BLOCKS: usize = 2;
+
+type Blocks = [[f32; LANES]; BLOCKS];
 
 /// The systems of one grid.
 pub struct Columns {
@@ -86,7 +93,7 @@ impl Columns {
     pub fn solve(&self, class: SimdClass, c: usize, column: &mut Column<'_>) {
         let rows = self.planes - if self.is_folded { self.shared } else { 0 };
         let pivots = &self.inverse_pivots[c * rows * WIDTH..][..rows * WIDTH];
-        for at in (0..WIDTH).step_by(BLOCK) {
+        for at in (0..WIDTH).step_by(BLOCKS * LANES) {
             if self.is_folded {
                 self.solve_halves(class, pivots, column, at);
             } else {
@@ -98,59 +105,61 @@ impl Columns {
     #[inline(always)]
     fn solve_halves(&self, class: SimdClass, pivots: &[f32], column: &mut Column<'_>, at: usize) {
         let (last, half) = (self.planes - 1, self.planes / 2);
-        let pivot = |k, is_odd| block(pivots, self.row(k, is_odd) * WIDTH + at);
-        let (mut even, mut odd) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let (mut even, mut odd) = ([[0.0; LANES]; BLOCKS], [[0.0; LANES]; BLOCKS]);
         for k in 0..half {
-            let [low, high] = [k, last - k].map(|k| *block(column.plane(k), at));
-            let (g_even, g_odd) = (pivot(k, false), pivot(k, true));
-            for i in 0..BLOCK {
-                even[i] = (low[i] + high[i] + even[i]) * g_even[i];
-                odd[i] = (low[i] - high[i] + odd[i]) * g_odd[i];
+            let [low, high] =
+                [*blocks_mut(column.plane(k), at), *blocks_mut(column.plane(last - k), at)];
+            let g_even = blocks(pivots, self.row(k, false) * WIDTH + at);
+            let g_odd = blocks(pivots, self.row(k, true) * WIDTH + at);
+            for b in 0..BLOCKS {
+                even[b] = times(add(add(low[b], high[b]), even[b]), g_even[b]);
+                odd[b] = times(add(subtract(low[b], high[b]), odd[b]), g_odd[b]);
             }
-            *block_mut(column.plane(k), at) = even;
-            *block_mut(column.plane(last - k), at) = odd;
+            *blocks_mut(column.plane(k), at) = even;
+            *blocks_mut(column.plane(last - k), at) = odd;
         }
+        odd = [[0.0; LANES]; BLOCKS];
         if self.planes % 2 == 1 {
-            let (middle, g) = (block_mut(column.plane(half), at), pivot(half, false));
-            for i in 0..BLOCK {
-                even[i] = (middle[i] + even[i]) * g[i];
+            let g = blocks(pivots, self.row(half, false) * WIDTH + at);
+            let middle = blocks_mut(column.plane(half), at);
+            for b in 0..BLOCKS {
+                even[b] = times(add(middle[b], even[b]), g[b]);
             }
             *middle = even;
         } else {
-            even = [0.0; BLOCK];
+            even = odd;
         }
-        odd = [0.0; BLOCK];
         for k in (0..half).rev() {
-            let [low, high] = [k, last - k].map(|k| *block(column.plane(k), at));
-            let (g_even, g_odd) = (pivot(k, false), pivot(k, true));
-            for i in 0..BLOCK {
-                even[i] = class.multiply_add(g_even[i], even[i], low[i]);
-                odd[i] = class.multiply_add(g_odd[i], odd[i], high[i]);
+            let [y_even, y_odd] =
+                [*blocks_mut(column.plane(k), at), *blocks_mut(column.plane(last - k), at)];
+            let g_even = blocks(pivots, self.row(k, false) * WIDTH + at);
+            let g_odd = blocks(pivots, self.row(k, true) * WIDTH + at);
+            let (mut low, mut high) = (even, odd);
+            for b in 0..BLOCKS {
+                even[b] = multiply_add(class, g_even[b], even[b], y_even[b]);
+                odd[b] = multiply_add(class, g_odd[b], odd[b], y_odd[b]);
+                (low[b], high[b]) = (add(even[b], odd[b]), subtract(even[b], odd[b]));
             }
-            let (mut low, mut high) = ([0.0; BLOCK], [0.0; BLOCK]);
-            for i in 0..BLOCK {
-                (low[i], high[i]) = (even[i] + odd[i], even[i] - odd[i]);
-            }
-            *block_mut(column.plane(k), at) = low;
-            *block_mut(column.plane(last - k), at) = high;
+            *blocks_mut(column.plane(k), at) = low;
+            *blocks_mut(column.plane(last - k), at) = high;
         }
     }
 
     #[inline(always)]
     fn solve_whole(&self, class: SimdClass, pivots: &[f32], column: &mut Column<'_>, at: usize) {
-        let mut value = [0.0; BLOCK];
+        let mut value = [[0.0; LANES]; BLOCKS];
         for k in 0..self.planes {
-            let (here, g) = (block_mut(column.plane(k), at), block(pivots, k * WIDTH + at));
-            for i in 0..BLOCK {
-                value[i] = (here[i] + value[i]) * g[i];
+            let (here, g) = (blocks_mut(column.plane(k), at), blocks(pivots, k * WIDTH + at));
+            for b in 0..BLOCKS {
+                value[b] = times(add(here[b], value[b]), g[b]);
             }
             *here = value;
         }
-        value = [0.0; BLOCK];
+        value = [[0.0; LANES]; BLOCKS];
         for k in (0..self.planes).rev() {
-            let (here, g) = (block_mut(column.plane(k), at), block(pivots, k * WIDTH + at));
-            for i in 0..BLOCK {
-                value[i] = class.multiply_add(g[i], value[i], here[i]);
+            let (here, g) = (blocks_mut(column.plane(k), at), blocks(pivots, k * WIDTH + at));
+            for b in 0..BLOCKS {
+                value[b] = multiply_add(class, g[b], value[b], here[b]);
             }
             *here = value;
         }
@@ -158,13 +167,13 @@ impl Columns {
 }
 
 #[inline(always)]
-fn block(values: &[f32], at: usize) -> &Block {
-    values[at..].first_chunk().unwrap_or(&[0.0; BLOCK])
+fn blocks(values: &[f32], at: usize) -> &Blocks {
+    values[at..].as_chunks().0.first_chunk().expect("whole blocks")
 }
 
 #[inline(always)]
-fn block_mut(values: &mut [f32], at: usize) -> &mut Block {
-    values[at..].first_chunk_mut().expect("whole blocks")
+fn blocks_mut(values: &mut [f32], at: usize) -> &mut Blocks {
+    values[at..].as_chunks_mut().0.first_chunk_mut().expect("whole blocks")
 }
 
 /// Coupling of the first or last cell to what lies beyond.

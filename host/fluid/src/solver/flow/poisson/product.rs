@@ -1,10 +1,14 @@
 //! Products of small dense matrices.
 
+use super::lanes::multiply_add;
 use crate::simd::SimdClass;
 
 /// A matrix in memory: the values, and the distance from one row to the next.
 #[derive(Clone, Copy)]
 pub struct Rows<'a>(pub &'a [f32], pub usize);
+
+/// Terms of a sum that are added without a look at the loop.
+const STEPS: usize = 2;
 
 /// `out = a b` for `rows` x `inner` x `columns`; `columns` is a multiple of 8. Each value is
 /// summed over `inner` in order, so that its bits do not depend on the shape of the tiles.
@@ -26,7 +30,7 @@ pub fn multiply(
         let size = [rows, inner];
         c += match class {
             SimdClass::Avx512 if left >= 32 => band::<8, 2, 16>(class, size, a, b, out, out_row),
-            SimdClass::Avx512 if left >= 16 => band::<16, 1, 16>(class, size, a, b, out, out_row),
+            SimdClass::Avx512 if left >= 16 => band::<8, 1, 16>(class, size, a, b, out, out_row),
             SimdClass::Avx2 if left >= 16 => band::<4, 2, 8>(class, size, a, b, out, out_row),
             SimdClass::Portable => band::<4, 2, 4>(class, size, a, b, out, out_row),
             _ => band::<8, 1, 8>(class, size, a, b, out, out_row),
@@ -67,19 +71,27 @@ fn tile<const R: usize, const V: usize, const L: usize>(
     out_row: usize,
 ) -> usize {
     let mut sums = [[[0f32; L]; V]; R];
-    // Cut beforehand, rows need no check in the loop.
-    let a: [&[f32]; R] = std::array::from_fn(
-        #[inline(always)]
-        |r| &a.0[r * a.1..][..inner],
-    );
-    for k in 0..inner {
-        let b = &b.0[k * b.1..][..V * L];
-        for r in 0..R {
-            let a = a[r][k];
-            for v in 0..V {
-                let Some(b) = b[v * L..].first_chunk::<L>() else { return R };
-                sums[r][v] = multiply_add(class, a, b, sums[r][v]);
+    // Cut beforehand, rows need no check in the loop; and a few steps at a time they need one
+    // address for all.
+    let mut rows: [&[[f32; STEPS]]; R] = [&[]; R];
+    let mut rests: [&[f32]; R] = [&[]; R];
+    let whole = inner / STEPS;
+    for r in 0..R {
+        let (row, rest) = a.0[r * a.1..][..inner].split_at(whole * STEPS);
+        (rows[r], rests[r]) = (&row.as_chunks().0[..whole], &rest[..inner - whole * STEPS]);
+    }
+    for k in 0..whole {
+        for step in 0..STEPS {
+            let b = &b.0[(k * STEPS + step) * b.1..][..V * L];
+            for r in 0..R {
+                add_row(class, rows[r][k][step], b, &mut sums[r]);
             }
+        }
+    }
+    for k in 0..inner - whole * STEPS {
+        let b = &b.0[(whole * STEPS + k) * b.1..][..V * L];
+        for r in 0..R {
+            add_row(class, rests[r][k], b, &mut sums[r]);
         }
     }
     for (r, sums) in sums.iter().enumerate() {
@@ -88,13 +100,18 @@ fn tile<const R: usize, const V: usize, const L: usize>(
     R
 }
 
+/// sums += a b.
 #[inline(always)]
-fn multiply_add<const L: usize>(class: SimdClass, a: f32, b: &[f32; L], c: [f32; L]) -> [f32; L] {
-    let mut sum = [0.0; L];
-    for l in 0..L {
-        sum[l] = class.multiply_add(a, b[l], c[l]);
+fn add_row<const V: usize, const L: usize>(
+    class: SimdClass,
+    a: f32,
+    b: &[f32],
+    sums: &mut [[f32; L]; V],
+) {
+    for v in 0..V {
+        let Some(b) = b[v * L..].first_chunk::<L>() else { return };
+        sums[v] = multiply_add(class, [a; L], *b, sums[v]);
     }
-    sum
 }
 
 #[cfg(test)]

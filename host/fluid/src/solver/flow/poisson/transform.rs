@@ -14,7 +14,10 @@
 
 use std::ops::Range;
 
-use super::basis::{Ends, Mode, modes};
+use super::{
+    basis::{Ends, Mode, modes},
+    lanes::{add, reversed, subtract},
+};
 
 /// Values that are folded together.
 const BLOCK: usize = 8;
@@ -57,6 +60,8 @@ impl Transform {
         let mut transform =
             Self { parts: vec![], len: 0, eigenvalues: vec![], points, folds: vec![] };
         transform.add(&modes(points, ends), 0, pad);
+        transform.len = transform.len.next_multiple_of(2 * pad);
+        transform.eigenvalues.resize(transform.len, 1.0);
         transform
     }
 
@@ -98,7 +103,9 @@ impl Transform {
         let (low, high) = folded.split_at_mut(self.points - half);
         low[half..].copy_from_slice(&values[half..self.points - half]);
         butterfly([&values[..half], &values[self.points - half..]], [&mut low[..half], high]);
-        inner.iter().for_each(|range| butterfly_in_place(&mut folded[range.clone()]));
+        for range in inner {
+            butterfly_in_place(&mut folded[range.clone()]);
+        }
     }
 
     /// The inverse of [`Transform::fold`] but for factors of 2, as the transform needs it: even
@@ -110,7 +117,9 @@ impl Transform {
             values.copy_from_slice(folded);
             return;
         };
-        inner.iter().rev().for_each(|range| butterfly_in_place(&mut folded[range.clone()]));
+        for range in inner.iter().rev() {
+            butterfly_in_place(&mut folded[range.clone()]);
+        }
         let half = self.points / 2;
         let (low, high) = values.split_at_mut(self.points - half);
         low[half..].copy_from_slice(&folded[half..self.points - half]);
@@ -120,13 +129,17 @@ impl Transform {
     /// Folds whole rows of `row` values in place.
     #[inline(always)]
     pub fn fold_rows(&self, rows: &mut [f32], row: usize) {
-        self.folds.iter().for_each(|range| butterfly_rows(rows, range, row));
+        for range in &self.folds {
+            butterfly_rows(rows, range, row);
+        }
     }
 
     /// The inverse of [`Transform::fold_rows`], as [`Transform::unfold`] is that of a fold.
     #[inline(always)]
     pub fn unfold_rows(&self, rows: &mut [f32], row: usize) {
-        self.folds.iter().rev().for_each(|range| butterfly_rows(rows, range, row));
+        for range in self.folds.iter().rev() {
+            butterfly_rows(rows, range, row);
+        }
     }
 }
 
@@ -148,52 +161,67 @@ impl Part {
 
 /// Sums and differences of low and mirrored high values; the differences mirrored again.
 #[inline(always)]
-fn butterfly([low, high]: [&[f32]; 2], [sums, differences]: [&mut [f32]; 2]) {
-    let mut blocks =
-        low.as_chunks::<BLOCK>().0.iter().zip(high.as_rchunks::<BLOCK>().1.iter().rev());
-    let sums_blocks = sums.as_chunks_mut::<BLOCK>().0;
-    let difference_blocks = differences.as_rchunks_mut::<BLOCK>().1;
-    for (sum, difference) in sums_blocks.iter_mut().zip(difference_blocks.iter_mut().rev()) {
-        let Some((low, high)) = blocks.next() else { return };
-        (*sum, *difference) = butterfly_block(low, high);
-    }
-    let (whole, half) = (low.len() / BLOCK * BLOCK, low.len());
-    for i in whole..half {
-        let (a, b) = (low[i], high[half - 1 - i]);
-        (sums[i], differences[half - 1 - i]) = (a + b, a - b);
+fn butterfly(from: [&[f32]; 2], to: [&mut [f32]; 2]) {
+    let ([low, high], [sums, differences]) = (from, to);
+    let half = low.len();
+    let mut at = 0;
+    while at < half {
+        let (from, to) =
+            ([&low[at..], &high[..half - at]], [&mut sums[at..], &mut differences[..half - at]]);
+        at += match half - at {
+            16.. => butterfly_block::<16>(from, to),
+            8.. => butterfly_block::<8>(from, to),
+            _ => butterfly_block::<1>(from, to),
+        };
     }
 }
 
-/// As [`butterfly`], over what it reads.
+/// The first `L` sums of a butterfly; returns `L`.
+#[inline(always)]
+fn butterfly_block<const L: usize>(
+    [low, high]: [&[f32]; 2],
+    [sums, differences]: [&mut [f32]; 2],
+) -> usize {
+    let end = high.len();
+    let (low, high): ([f32; L], [f32; L]) = (block(low), block(&high[end - L..]));
+    sums[..L].copy_from_slice(&add(low, reversed(high)));
+    differences[end - L..].copy_from_slice(&subtract(reversed(low), high));
+    L
+}
+
+/// As [`butterfly`], over what it reads; whole blocks of 8.
 #[inline(always)]
 fn butterfly_in_place(values: &mut [f32]) {
-    let half = values.len() / 2;
-    let (low, high) = values.split_at_mut(half);
-    let lows = low.as_chunks_mut::<BLOCK>().0.iter_mut();
-    for (low, high) in lows.zip(high.as_rchunks_mut::<BLOCK>().1.iter_mut().rev()) {
-        (*low, *high) = butterfly_block(low, high);
+    let (lows, highs) = values.split_at_mut(values.len() / 2);
+    let mut at = 0;
+    while at + 8 <= lows.len() {
+        let end = highs.len() - at;
+        let (low, high): ([f32; 8], [f32; 8]) = (block(&lows[at..]), block(&highs[end - 8..]));
+        lows[at..at + 8].copy_from_slice(&add(low, reversed(high)));
+        highs[end - 8..end].copy_from_slice(&subtract(reversed(low), high));
+        at += 8;
     }
 }
 
 #[inline(always)]
-fn butterfly_block(low: &[f32; BLOCK], high: &[f32; BLOCK]) -> ([f32; BLOCK], [f32; BLOCK]) {
-    let (mut sum, mut difference) = ([0.0; BLOCK], [0.0; BLOCK]);
-    for i in 0..BLOCK {
-        sum[i] = low[i] + high[BLOCK - 1 - i];
-        difference[i] = low[BLOCK - 1 - i] - high[i];
-    }
-    (sum, difference)
+fn block<const L: usize>(values: &[f32]) -> [f32; L] {
+    *values.first_chunk().expect("a whole block")
 }
 
 /// Sums and differences of rows within `range`, those of the upper half mirrored.
 #[inline(always)]
 fn butterfly_rows(rows: &mut [f32], range: &Range<usize>, row: usize) {
     let half = range.len() / 2;
-    let (low, high) = rows[range.start * row..range.end * row].split_at_mut(half * row);
-    let mirrored = high.chunks_exact_mut(row).rev();
-    for (low, high) in low.chunks_exact_mut(row).zip(mirrored) {
-        for (low, high) in low.iter_mut().zip(high) {
-            (*low, *high) = (*low + *high, *low - *high);
+    let (lows, highs) = rows[range.start * row..range.end * row].split_at_mut(half * row);
+    for j in 0..half {
+        let end = highs.len() - j * row;
+        let (low, high) = (&mut lows[j * row..][..row], &mut highs[end - row..end]);
+        let mut at = 0;
+        while at + 16 <= row {
+            let (a, b): ([f32; 16], [f32; 16]) = (block(&low[at..]), block(&high[at..]));
+            low[at..at + 16].copy_from_slice(&add(a, b));
+            high[at..at + 16].copy_from_slice(&subtract(a, b));
+            at += 16;
         }
     }
 }
