@@ -31,9 +31,9 @@ pub fn multiply(
         c += match class {
             SimdClass::Avx512 if left >= 32 => band::<8, 2, 16>(class, size, a, b, out, out_row),
             SimdClass::Avx512 if left >= 16 => band::<8, 1, 16>(class, size, a, b, out, out_row),
-            SimdClass::Avx2 if left >= 16 => band::<4, 2, 8>(class, size, a, b, out, out_row),
+            SimdClass::Avx2 if left >= 16 => band::<6, 1, 16>(class, size, a, b, out, out_row),
             SimdClass::Portable => band::<4, 2, 4>(class, size, a, b, out, out_row),
-            _ => band::<8, 1, 8>(class, size, a, b, out, out_row),
+            _ => band::<6, 1, 8>(class, size, a, b, out, out_row),
         };
     }
 }
