@@ -67,7 +67,6 @@ impl Poisson {
     }
 
     /// Solves in place: `psi` is a padded array that comes in as the right-hand side.
-    #[allow(dead_code)]
     pub fn solve_in_place(&mut self, pool: &Pool, simd: SimdClass, psi: &mut Field) {
         self.transform(pool, simd, psi);
         self.solve_columns(pool, simd);
@@ -152,94 +151,4 @@ impl Poisson {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::solver::flow::faces::cells;
-
-    /// Largest |A psi - rhs| over the largest |rhs|.
-    fn residual(layout: &Layout, psi: &Field, rhs: &Field) -> f32 {
-        let [nx, ny, nz] = layout.cells;
-        let at = |i: isize, j: isize, k: isize| {
-            let inside = |c: isize, n: usize| (0..n as isize).contains(&c);
-            (inside(i, nx) && inside(j, ny) && inside(k, nz))
-                .then(|| psi[layout.index(i as usize, j as usize, k as usize)])
-        };
-        let worst = cells(layout.cells).map(|(i, j, k)| {
-            let [x, y, z] = [i, j, k].map(|c| c as isize);
-            let around = [(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)];
-            let here = psi[layout.index(i, j, k)];
-            let sum: f32 =
-                around.iter().filter_map(|d| at(x + d.0, y + d.1, z + d.2)).map(|p| here - p).sum();
-            (sum - rhs[layout.index(i, j, k)]).abs()
-        });
-        worst.fold(0.0, f32::max) / rhs.iter().fold(0f32, |a, b| a.max(b.abs()))
-    }
-
-    #[test]
-    fn the_residual_is_rounding_for_any_shape_of_box() {
-        let pool = Pool::new(2, false);
-        for size in
-            [[16, 16, 16], [2, 2, 2], [1, 8, 8], [8, 1, 1], [5, 9, 1], [3, 1, 5], [31, 12, 20]]
-        {
-            let layout = Layout::new(size);
-            let (mut rhs, mut psi) = (layout.zeros(), layout.zeros());
-            let mut mean = 0.0;
-            for (i, j, k) in cells(size) {
-                let at = layout.index(i, j, k);
-                rhs[at] = ((3 * i + 5 * j + 7 * k) as f32).sin() + (i as f32 * 0.2).cos();
-                mean += rhs[at] / size.iter().product::<usize>() as f32;
-            }
-            cells(size).for_each(|(i, j, k)| rhs[layout.index(i, j, k)] -= mean);
-            let mut poisson = Poisson::new(&layout, [Ends::CLOSED; 3], pool.threads());
-            for simd in SimdClass::ALL {
-                poisson.solve(&pool, simd, &rhs, &mut psi);
-                let residual = residual(&layout, &psi, &rhs);
-                assert!(residual < 3e-5, "{size:?} {simd}: {residual}");
-            }
-        }
-    }
-
-    #[test]
-    fn timing() {
-        let list = |name: &str, or: &str| -> Vec<usize> {
-            let text = std::env::var(name).unwrap_or(or.into());
-            text.split(',').map(|s| s.parse().expect("number")).collect()
-        };
-        for threads in list("THREADS", "1") {
-            let pool = Pool::new(threads, true);
-            for n in list("N", "16,32,48,64,96,128") {
-                let layout = Layout::new([n; 3]);
-                let mut rhs = layout.zeros();
-                cells([n; 3]).for_each(|(i, j, k)| {
-                    rhs[layout.index(i, j, k)] = ((3 * i + 5 * j + 7 * k) as f32).sin();
-                });
-                let mut psi = layout.zeros();
-                let mut poisson = Poisson::new(&layout, [Ends::CLOSED; 3], pool.threads());
-                for simd in list("SIMD", "1,2").into_iter().map(|s| SimdClass::ALL[s]) {
-                    let mut times = vec![];
-                    let mut part = [1e9f64; 3];
-                    for _ in 0..(list("REPS", "300000000")[0] / (n * n * n * n)).clamp(20, 200_000)
-                    {
-                        let t = std::time::Instant::now();
-                        poisson.transform(&pool, simd, &rhs);
-                        let a = t.elapsed().as_secs_f64() * 1e3;
-                        poisson.solve_columns(&pool, simd);
-                        let b = t.elapsed().as_secs_f64() * 1e3;
-                        poisson.transform_back(&pool, simd, &mut psi);
-                        let c = t.elapsed().as_secs_f64() * 1e3;
-                        for (m, v) in part.iter_mut().zip([a, b - a, c - b]) {
-                            *m = m.min(v);
-                        }
-                        times.push(c);
-                    }
-                    times.sort_by(f64::total_cmp);
-                    let median = times[times.len() / 2];
-                    println!(
-                        "threads {threads} n {n} {simd}: {:.4} {median:.4} ms, {part:.4?}",
-                        times[0]
-                    );
-                }
-            }
-        }
-    }
-}
+mod tests;

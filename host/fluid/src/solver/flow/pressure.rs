@@ -46,18 +46,17 @@ pub struct Projection {
     poisson: Poisson,
     /// Solution of the last solve.
     pub psi: Field,
-    residual: Field,
-    /// Preconditioned residual, search direction, and A times it; only in a pot.
-    krylov: Option<[Field; 3]>,
+    /// Residual, preconditioned residual, search direction, and A times it; only in a pot.
+    krylov: Option<[Field; 4]>,
 }
 
 impl Projection {
     /// For the liquid that `faces` describe.
     pub fn new(layout: &Layout, faces: &Faces, pool: &Pool) -> Self {
         let poisson = Poisson::new(layout, [Ends::CLOSED; 3], pool.threads());
-        let krylov = (!faces.is_box).then(|| [layout.zeros(), layout.zeros(), layout.zeros()]);
-        let (psi, residual) = (layout.zeros(), layout.zeros());
-        Self { layout: *layout, poisson, psi, residual, krylov }
+        let zeros = || layout.zeros();
+        let krylov = (!faces.is_box).then(|| [zeros(), zeros(), zeros(), zeros()]);
+        Self { layout: *layout, poisson, psi: zeros(), krylov }
     }
 
     /// Takes the divergence out of `velocity`; what that took, times `rate_per_s`, is what the
@@ -70,72 +69,21 @@ impl Projection {
         pressure: &mut Prediction,
         rate_per_s: f32,
     ) -> u32 {
-        let squares = self.set_residual(on, components(velocity));
+        let Self { layout, poisson, psi, krylov } = self;
+        let residual = krylov.as_mut().map_or(&mut *psi, |[residual, ..]| residual);
+        let squares = on.set_residual(layout, components(velocity), residual);
         if squares[0] == 0.0 {
             return 0;
         }
-        let iterations = if self.krylov.is_some() { self.iterate(on, squares) } else { 0 };
-        if self.krylov.is_none() {
-            self.poisson.solve(on.pool, on.simd, &self.residual, &mut self.psi);
-        }
+        let iterations = match krylov {
+            Some(krylov) => on.iterate(layout, poisson, psi, krylov, squares),
+            None => {
+                poisson.solve_in_place(on.pool, on.simd, psi);
+                0
+            }
+        };
         self.correct(on, velocity, pressure, rate_per_s);
         iterations
-    }
-
-    /// residual = -delta; returns its squared norm and the squared norm of the velocity.
-    fn set_residual(&mut self, on: Engine<'_>, velocity: [&[f32]; 3]) -> [f64; 2] {
-        let layout = self.layout;
-        let body = |k, [out]: [&mut [f32]; 1]| {
-            on.run(
-                &layout,
-                k,
-                #[inline(always)]
-                |Run { at, to, len }, sums| {
-                    let out = cut_mut(out, to, len);
-                    let faces = FaceRuns::new(&layout, velocity, at, len);
-                    let liquid = cut(&on.faces.liquid, at, len);
-                    for i in 0..out.len() {
-                        out[i] = -liquid[i] * faces.outflow(i);
-                    }
-                    sums[0].add_product(out, out);
-                    faces.add_squares(&mut sums[1]);
-                },
-            )
-        };
-        let outs = [layout.planes(&mut self.residual)];
-        let combine = |a: [f64; 4], b: [f64; 4]| [a[0] + b[0], a[1] + b[1], 0.0, 0.0];
-        let [square, speed_square, ..] = on.pool.fold(None, outs, [layout.plane], body, combine);
-        [square, speed_square]
-    }
-
-    /// Preconditioned conjugate gradients from psi = 0.
-    fn iterate(&mut self, on: Engine<'_>, [square, speed_square]: [f64; 2]) -> u32 {
-        let Self { layout, poisson, psi, residual, krylov: Some([z, p, q]) } = self else {
-            return 0;
-        };
-        let layout = *layout;
-        let small = (square * RELATIVE_TOLERANCE * RELATIVE_TOLERANCE)
-            .max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
-        psi.fill(0.0);
-        if square <= small {
-            return 0;
-        }
-        let mut rz = on.precondition(&layout, poisson, residual, z);
-        p.copy_from_slice(z);
-        for iteration in 1..=MAX_ITERATIONS {
-            let curvature = on.apply(&layout, p, q);
-            if !(curvature > 0.0 && rz > 0.0) {
-                return iteration as u32;
-            }
-            let square = on.descend(&layout, (rz / curvature) as f32, [p, q], psi, residual);
-            if square <= small || iteration == MAX_ITERATIONS {
-                return iteration as u32;
-            }
-            let rz_next = on.precondition(&layout, poisson, residual, z);
-            on.turn(&layout, (rz_next / rz) as f32, z, p);
-            rz = rz_next;
-        }
-        MAX_ITERATIONS as u32
     }
 
     /// Subtracts the gradient of psi, snaps what is nearly at rest, and keeps the pressure.
@@ -194,6 +142,69 @@ fn add_row(out: &mut [f32], share: f32, x: &[f32]) {
 }
 
 impl Engine<'_> {
+    /// residual = -delta; returns its squared norm and the squared norm of the velocity.
+    fn set_residual(
+        &self,
+        layout: &Layout,
+        velocity: [&[f32]; 3],
+        residual: &mut Field,
+    ) -> [f64; 2] {
+        let body = |k, [out]: [&mut [f32]; 1]| {
+            self.run(
+                layout,
+                k,
+                #[inline(always)]
+                |Run { at, to, len }, sums| {
+                    let out = cut_mut(out, to, len);
+                    let faces = FaceRuns::new(layout, velocity, at, len);
+                    let liquid = cut(&self.faces.liquid, at, len);
+                    for i in 0..out.len() {
+                        out[i] = -liquid[i] * faces.outflow(i);
+                    }
+                    sums[0].add_product(out, out);
+                    faces.add_squares(&mut sums[1]);
+                },
+            )
+        };
+        let outs = [layout.planes(residual)];
+        let combine = |a: [f64; 4], b: [f64; 4]| [a[0] + b[0], a[1] + b[1], 0.0, 0.0];
+        let [square, speed_square, ..] = self.pool.fold(None, outs, [layout.plane], body, combine);
+        [square, speed_square]
+    }
+
+    /// Preconditioned conjugate gradients from psi = 0.
+    fn iterate(
+        &self,
+        layout: &Layout,
+        poisson: &mut Poisson,
+        psi: &mut Field,
+        [residual, z, p, q]: &mut [Field; 4],
+        [square, speed_square]: [f64; 2],
+    ) -> u32 {
+        let small = (square * RELATIVE_TOLERANCE * RELATIVE_TOLERANCE)
+            .max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
+        psi.fill(0.0);
+        if square <= small {
+            return 0;
+        }
+        let mut rz = self.precondition(layout, poisson, residual, z);
+        p.copy_from_slice(z);
+        for iteration in 1..=MAX_ITERATIONS {
+            let curvature = self.apply(layout, p, q);
+            if !(curvature > 0.0 && rz > 0.0) {
+                return iteration as u32;
+            }
+            let square = self.descend(layout, (rz / curvature) as f32, [p, q], psi, residual);
+            if square <= small || iteration == MAX_ITERATIONS {
+                return iteration as u32;
+            }
+            let rz_next = self.precondition(layout, poisson, residual, z);
+            self.turn(layout, (rz_next / rz) as f32, z, p);
+            rz = rz_next;
+        }
+        MAX_ITERATIONS as u32
+    }
+
     /// z = the box's solution for r, in the liquid; returns r . z.
     fn precondition(
         &self,
