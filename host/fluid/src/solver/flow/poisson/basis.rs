@@ -10,6 +10,7 @@ use std::f64::consts::PI;
 
 /// Both ends of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(dead_code, reason = "so far all boxes are closed")]
 pub enum Ends {
     /// The last cell is the neighbour of the first.
     Periodic,
@@ -19,6 +20,7 @@ pub enum Ends {
 
 /// One end of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(dead_code, reason = "so far all boxes are closed")]
 pub enum End {
     /// No liquid passes.
     Closed,

@@ -119,7 +119,7 @@ impl Columns {
             *blocks_mut(column.plane(last - k), at) = odd;
         }
         odd = [[0.0; LANES]; BLOCKS];
-        if self.planes % 2 == 1 {
+        if !self.planes.is_multiple_of(2) {
             let g = blocks(pivots, self.row(half, false) * WIDTH + at);
             let middle = blocks_mut(column.plane(half), at);
             for b in 0..BLOCKS {
@@ -219,14 +219,14 @@ fn half_pivots(
         }
     };
     let half = planes / 2;
-    let middle = usize::from(planes % 2 == 1 && !is_odd);
+    let middle = usize::from(!planes.is_multiple_of(2) && !is_odd);
     let mut below = 0.0;
     (0..half + middle).map(move |k| {
         let down = if k > 0 { 1.0 } else { outer };
         if k == half {
             return 2.0 * inverse(eigenvalue + 2.0 * down - 2.0 * below);
         }
-        let is_last = planes % 2 == 0 && k + 1 == half;
+        let is_last = planes.is_multiple_of(2) && k + 1 == half;
         let up = match (is_last, is_odd) {
             (false, _) => 1.0,
             (true, false) => 0.0,

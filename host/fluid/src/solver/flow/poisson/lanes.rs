@@ -9,8 +9,8 @@ use crate::simd::SimdClass;
 #[inline(always)]
 pub fn each<const L: usize>(f: impl Fn(usize) -> f32) -> [f32; L] {
     let mut out = [0.0; L];
-    for i in 0..L {
-        out[i] = f(i);
+    for (i, out) in out.iter_mut().enumerate() {
+        *out = f(i);
     }
     out
 }

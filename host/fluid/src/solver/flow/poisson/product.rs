@@ -62,6 +62,7 @@ fn band<const R: usize, const V: usize, const L: usize>(
 
 /// `R` rows of a band; returns `R`.
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "iterators keep the sums out of registers here")]
 fn tile<const R: usize, const V: usize, const L: usize>(
     class: SimdClass,
     inner: usize,
