@@ -9,6 +9,7 @@ mod exchange;
 pub(crate) mod faces;
 pub(crate) mod field;
 mod ghosts;
+mod krylov;
 mod momentum;
 mod poisson;
 mod pressure;
@@ -17,7 +18,6 @@ mod stages;
 mod step;
 mod survey;
 mod trace;
-mod transform;
 mod viscous;
 mod walls;
 
@@ -125,7 +125,7 @@ impl Flow {
             viscous: Viscous::new(&layout, &faces),
             pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
-            projection: Projection::new(&layout, &faces, &ghosts),
+            projection: Projection::new(&layout, &faces, &ghosts, &setup.pool),
             force: None,
             force_scale: [1.0; 2],
             survey: None,
