@@ -68,7 +68,7 @@ impl Pot {
             walls: liquid.walls,
             pool,
             simd,
-            ..Setup::new(scene.grid, scene.vessel)
+            ..Setup::new(scene.grid, scene.vessel.clone())
         });
         let mut flow = setup.as_ref().map(Flow::new).transpose()?;
         if let (Some(flow), Start::TaylorGreen(speed_m_s)) = (&mut flow, scene.start) {
@@ -84,7 +84,7 @@ impl Pot {
         let diffusivities: Vec<f32> = scene.substances.iter().map(|s| s.diffusivity_m2_s).collect();
         Ok(Self {
             grid: scene.grid,
-            vessel: scene.vessel,
+            vessel: scene.vessel.clone(),
             liquid_colour: scene.liquid.map(|liquid| liquid.colour),
             palette: scene.substances.clone(),
             substances: setup.map(|setup| Substances::new(&setup, &diffusivities)),
@@ -240,7 +240,7 @@ impl Pot {
         Snapshot {
             time_s: self.time_s,
             grid: self.grid,
-            vessel: self.vessel,
+            vessel: self.vessel.clone(),
             liquid_colour: self.liquid_colour,
             substances: self.palette.iter().enumerate().map(view).collect(),
             surface: self.surface.as_ref().map(SpringSheet::view),
