@@ -94,8 +94,10 @@ struct Substance {
     properties: Properties,
     /// No fraction was brought in above this; 0 until any was: an absent substance costs nothing.
     highest: f32,
-    /// What waits for room, in cells (see [`fit`]).
+    /// What waits for room, and what f32 has rounded away, in cells (see [`fit`]).
     owed_cells: f64,
+    /// What there was after the last step.
+    held_cells: f64,
     poured_cells: f64,
     drained_cells: f64,
 }
@@ -112,6 +114,7 @@ impl Substances {
             properties: properties.sound(&Properties::of_liquid(setup)),
             highest: 0.0,
             owed_cells: 0.0,
+            held_cells: 0.0,
             poured_cells: 0.0,
             drained_cells: 0.0,
         };
@@ -156,9 +159,11 @@ impl Substances {
         let loss = largest_loss_m_s(on, layout, velocity) * dt_s / spacing_m;
         (report.carrying, report.substeps) = carrying(loss);
         for place in 0..self.all.len() {
-            if self.all[place].highest == 0.0 {
+            let Substance { highest, properties, .. } = &self.all[place];
+            if *highest == 0.0 || (loss == 0.0 && properties.diffusivity_m2_s == 0.0) {
                 continue;
             }
+            let before = fit::content(on, layout, &self.all[place].cells);
             // In alternating order, as the sweeps.
             if self.reverse {
                 self.diffuse(on, place, dt_s, &mut report);
@@ -167,6 +172,9 @@ impl Substances {
                 self.carry(on, place, velocity, dt_s, &mut report);
                 self.diffuse(on, place, dt_s, &mut report);
             }
+            let substance = &mut self.all[place];
+            substance.held_cells = fit::content(on, layout, &substance.cells);
+            substance.owed_cells += before - substance.held_cells;
         }
         self.reverse ^= report.substeps % 2 == 1;
         if report.cells_computed > 0 {

@@ -326,6 +326,25 @@ fn the_books_of_a_source_and_a_drain_close() {
 }
 
 #[test]
+fn a_thousand_steps_lose_nothing_to_rounding() {
+    let setup = Setup::new(Grid::unit_cube(16), Vessel::Box);
+    let mut flow = Flow::new(&setup);
+    flow.set_velocity(&roll).unwrap();
+    flow.project();
+    let mut substances = with_diffusivities(&setup, &[0.0]);
+    let middle = Vec3::splat(0.5);
+    substances.set_fraction(0, |p| if p.distance(middle) < 0.1 { 1.0 } else { 0.0 }).unwrap();
+    let volume = substances.volume_m3(0);
+    for _ in 0..1000 {
+        substances.step(&flow, 0.03).unwrap();
+    }
+    let fractions = fractions(&substances, 0, setup.grid.len());
+    let sum: f64 = fractions.iter().map(|f| f64::from(*f)).sum();
+    let change = sum * f64::from(setup.grid.cell_volume_m3()) / volume - 1.0;
+    assert!(change.abs() < 3e-6, "{change}");
+}
+
+#[test]
 fn a_plume_costs_what_it_fills() {
     // A column of a tenth of the box.
     let setup = Setup::new(Grid::unit_cube(64), Vessel::Box);

@@ -3,15 +3,16 @@
 //! Limiters bound each substance, not their sum; a velocity that is not free of divergence brings
 //! in more than it takes away; a remap puts what came together in one cell. The excess goes
 //! where the same substance already is and room is left, in proportion to both; only if that is not
-//! enough, to all room there is. Nothing is lost.
+//! enough, to all room there is. Nothing is lost: what f32 has rounded away in a step, or
+//! added, is entered in the same book, and given or taken back once it counts.
 
 use super::{
     Substance,
-    cells::{Extent, STORED},
+    cells::{Cells, Extent, STORED},
 };
 use crate::solver::flow::{
     engine::Engine,
-    field::{Largest, Layout, cut},
+    field::{BLOCK, Largest, Layout, cut},
 };
 
 /// A sum of fractions this far above 1 is left alone: rounding.
@@ -26,13 +27,19 @@ const LEAST_SHARE: f64 = 1e-6;
 
 /// Makes the fractions of `all` fit in their cells; `sum` is overwritten.
 pub fn fit(on: Engine<'_>, layout: &Layout, all: &mut [Substance], sum: &mut [f32]) {
+    let mut books_close = all.iter().all(|s| s.owed_cells.abs() <= LEAST_SHARE * s.held_cells);
     for _ in 0..ROUNDS {
-        if set_sum(on, layout, all, sum) <= f64::from(1.0 + TOLERANCE) {
+        if set_sum(on, layout, all, sum) <= f64::from(1.0 + TOLERANCE) && books_close {
             return;
         }
+        books_close = true;
         let mut is_done = true;
         for substance in all.iter_mut().filter(|substance| substance.highest > 0.0) {
             let room = take_excess(on, layout, substance, sum);
+            if substance.owed_cells < -LEAST_SHARE * substance.held_cells {
+                take_back(on, layout, substance);
+                continue;
+            }
             let share = substance.owed_cells / room.max(f64::MIN_POSITIVE);
             if share >= LEAST_SHARE {
                 give(on, layout, substance, sum, [share.min(1.0) as f32, 0.0]);
@@ -122,6 +129,46 @@ fn take_excess(on: Engine<'_>, layout: &Layout, substance: &mut Substance, sum: 
     let [taken, weight, ..] = on.pool.fold(None, outs, [layout.plane, STORED], body, add);
     substance.owed_cells += taken;
     weight
+}
+
+/// What `cells` hold.
+pub fn content(on: Engine<'_>, layout: &Layout, cells: &Cells) -> f64 {
+    on.pool.sum(layout.cells[2], |k| {
+        let mut total = 0.0;
+        for (at, len) in rows_of(layout, cells.extent(k), k) {
+            on.simd.vectorize(
+                #[inline(always)]
+                || {
+                    let mut lanes = [0f32; BLOCK];
+                    let (blocks, rest) = cut(&cells.fraction, at, len).as_chunks::<BLOCK>();
+                    for block in blocks {
+                        (0..BLOCK).for_each(|i| lanes[i] += block[i]);
+                    }
+                    let all = lanes.iter().chain(rest);
+                    total += all.fold(0.0, |sum, f| sum + f64::from(*f));
+                },
+            );
+        }
+        total
+    })
+}
+
+/// Takes back what rounding gave too much, in proportion.
+fn take_back(on: Engine<'_>, layout: &Layout, substance: &mut Substance) {
+    let share = (substance.owed_cells / substance.held_cells.max(f64::MIN_POSITIVE)).max(-1.0);
+    let body = |k: usize, [plane, stored]: [&mut [f32]; 2]| {
+        let mut given = 0.0;
+        for (at, len) in rows_of(layout, Extent::load(stored), k) {
+            for fraction in &mut plane[at - (k + 1) * layout.plane..][..len] {
+                let next = (f64::from(*fraction) * (1.0 + share)) as f32;
+                given += f64::from(next) - f64::from(*fraction);
+                *fraction = next;
+            }
+        }
+        given
+    };
+    let outs = substance.cells.slabs(layout);
+    substance.owed_cells -= on.pool.planes_sum(outs, [layout.plane, STORED], body);
 }
 
 /// Gives of what is owed room times (`shares[0]` times the fraction plus `shares[1]`).

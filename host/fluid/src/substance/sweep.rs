@@ -111,7 +111,9 @@ impl Sweep<'_> {
             let mut steps = [0f32; WIDTH + BLOCK];
             self.set_row_steps(&mut steps[..more], &old, at, start);
             let (mut volumes, mut per_volume) = ([0f32; WIDTH + BLOCK], [0f32; WIDTH + BLOCK]);
-            self.set_volumes(at + start, &mut volumes[..more], &mut per_volume);
+            self.set_volumes(at + start, &mut volumes[..len], &mut per_volume);
+            // The cell after the last, too.
+            self.set_volumes(at + start + len, &mut volumes[len..=len], &mut per_volume[len..]);
             let mut flux = [0f32; WIDTH + 1];
             flux[0] = flux_behind;
             let u = cut(self.velocity[0], at + start, len + 2);
