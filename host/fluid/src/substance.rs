@@ -5,7 +5,7 @@
 //! ```
 //! for the volume fraction phi of each, by finite volumes on the cells of the flow: what leaves
 //! one cell enters the next, so no mass is lost. A part of a step is three sweeps, one along each
-//! axis, in alternating order (Strang 1968), with the fluxes that [`face`] describes. Fractions
+//! axis, in alternating order (Strang 1968), with the fluxes that `face.rs` describes. Fractions
 //! stay between 0 and the highest that was brought in, and sums within 1. A substance is
 //! computed only in the planes' extents that hold it.
 

@@ -192,16 +192,16 @@ fn turn_of_a_blob(n: usize, steps: usize) -> (f64, f64, [f32; 2]) {
     let setup = Setup::new(Grid { cells: [n, n, n / 2], ..Grid::unit_cube(n) }, Vessel::Box);
     let mut flow = Flow::new(&setup);
     let w = 2.0 * std::f64::consts::PI;
-    flow.set_velocity(&|p| DVec3::new(-w * (p.y - 0.5), w * (p.x - 0.5), 0.0)).unwrap();
+    flow.set_velocity(&|p| DVec3::new(-w * (p.y - 0.5), w * (p.x - 0.5), 0.0)).expect("in range");
     let mut substances = with_diffusivities(&setup, &[0.0]);
     let blob = |p: Vec3| {
         let r = p.distance(Vec3::new(0.5, 0.75, 0.25)) / 0.15;
         if r < 1.0 { 0.5 * (1.0 + (std::f32::consts::PI * r).cos()) } else { 0.0 }
     };
-    substances.set_fraction(0, blob).unwrap();
+    substances.set_fraction(0, blob).expect("in range");
     let (before, volume) = (fractions(&substances, 0, setup.grid.len()), substances.volume_m3(0));
     for _ in 0..steps {
-        substances.step(&flow, 1.0 / steps as f64).unwrap();
+        substances.step(&flow, 1.0 / steps as f64).expect("in range");
     }
     let after = fractions(&substances, 0, setup.grid.len());
     let (mut error, mut norm) = (0.0, 0.0);
@@ -209,7 +209,8 @@ fn turn_of_a_blob(n: usize, steps: usize) -> (f64, f64, [f32; 2]) {
         error += f64::from(a - b).powi(2);
         norm += f64::from(*a).powi(2);
     }
-    let range = [f32::min, f32::max].map(|of| after.iter().copied().reduce(of).unwrap());
+    let range =
+        [f32::min, f32::max].map(|of| after.iter().copied().reduce(of).expect("there are cells"));
     let rel_l2 = (error / norm).sqrt();
     (rel_l2, substances.volume_m3(0) / volume - 1.0, range)
 }
@@ -396,8 +397,8 @@ proptest! {
             let sum: f32 = all.iter().map(|f| f[at]).sum();
             prop_assert!(all.iter().all(|f| f[at] >= 0.0) && sum <= 1.0 + 1e-5, "{}", sum);
         }
-        for index in 0..3 {
-            let change = substances.volume_m3(index) / volume[index] - 1.0;
+        for (index, volume) in volume.into_iter().enumerate() {
+            let change = substances.volume_m3(index) / volume - 1.0;
             prop_assert!(change.abs() < 1e-5, "{}: {}", index, change);
         }
     }
