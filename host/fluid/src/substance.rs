@@ -330,7 +330,7 @@ mod tests {
         let pot = Vessel::Pot { centre_in_world_m: Vec3::new(0.5, 0.6, 0.5), radius_m: 0.45 };
         for (vessel, diffusivity_m2_s) in [(Vessel::Box, 0.0), (pot, 0.0), (Vessel::Box, 1e-4)] {
             let setup = Setup::new(Grid { cells: [21, 18, 19], ..Grid::unit_cube(20) }, vessel);
-            let mut flow = Flow::new(&setup);
+            let mut flow = Flow::new(&setup).expect("a flow");
             let wave =
                 |p: DVec3| DVec3::new((5.0 * p.y).sin(), (4.0 * p.z).cos(), (3.0 * p.x).sin());
             flow.set_velocity(&wave).expect("finite");
