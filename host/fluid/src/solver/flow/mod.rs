@@ -1,5 +1,5 @@
 //! Our flow solver: a staggered grid in a box or a pot, f32 throughout, deterministic for any
-//! number of threads and any vector width, allocation-free after construction.
+//! number of threads and for 256 as for 512 bits, allocation-free after construction.
 //!
 //! It chooses scheme and number of sub-steps from the step it is given, so that it is
 //! accurate where that is cheap and stable always.
