@@ -240,6 +240,17 @@ impl Lanes {
         }
     }
 
+    /// Adds all `share[i] * a[i] * b[i]`; all are of one length, whole blocks.
+    #[inline(always)]
+    pub fn add_shared_product(&mut self, share: &[f32], a: &[f32], b: &[f32]) {
+        let pairs = a.as_chunks::<BLOCK>().0.iter().zip(b.as_chunks::<BLOCK>().0);
+        for (share, (a, b)) in share.as_chunks::<BLOCK>().0.iter().zip(pairs) {
+            for lane in 0..BLOCK {
+                self.0[lane] += share[lane] * a[lane] * b[lane];
+            }
+        }
+    }
+
     /// The sum of the parts.
     #[inline(always)]
     pub fn sum(&self) -> f64 {

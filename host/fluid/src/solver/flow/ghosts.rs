@@ -137,6 +137,23 @@ impl Ghosts {
         }
     }
 
+    /// Sets what passes the sides, which is all that a divergence needs to know of them.
+    pub fn fill_normals(&self, [u, v, w]: &mut Vector) {
+        let (layout, [nx, ny, _]) = (&self.layout, self.layout.cells);
+        let (row, first) = (layout.row, layout.index_in_plane(0, 0) - 1);
+        for (k, plane) in layout.planes(u).chunks_exact_mut(layout.plane).enumerate() {
+            let along_y = Line { start: 0, step: row, len: ny + 2 };
+            let values = (k + 1) * (ny + 2);
+            self.fill_axis(0, 0, plane, nx, (1, 1), along_y, values, Fill::Unprojected);
+        }
+        for (k, plane) in layout.planes(v).chunks_exact_mut(layout.plane).enumerate() {
+            let along_x = Line { start: 0, step: 1, len: nx + 2 };
+            let values = (k + 1) * (nx + 2);
+            self.fill_axis(1, 1, plane, ny, (first, row), along_x, values, Fill::Unprojected);
+        }
+        self.fill_ends(2, w, Fill::Unprojected);
+    }
+
     /// Fills all ghosts of a velocity.
     pub fn fill(&self, velocity: &mut Vector, fill: Fill) {
         for (c, field) in velocity.iter_mut().enumerate() {
@@ -151,9 +168,29 @@ impl Ghosts {
         matches!(self.rules[axis][end], Rule::Free)
     }
 
-    /// True if some axis is periodic.
-    pub fn wrap(&self) -> bool {
-        (0..3).any(|axis| self.is_periodic(axis))
+    /// Fills the ghosts of a pressure that a correction needs: none at a wall.
+    pub fn fill_pressure(&self, psi: &mut Field) {
+        if (0..3).any(|axis| self.is_periodic(axis)) {
+            self.wrap_cells(psi);
+        }
+        let (layout, [nx, ny, nz]) = (&self.layout, self.layout.cells);
+        let along_x = Line { start: 0, step: 1, len: nx + 2 };
+        let along_y = Line { start: 0, step: layout.row, len: ny + 2 };
+        for end in 0..2 {
+            let planes = layout.planes(psi).chunks_exact_mut(layout.plane);
+            if self.is_free(0, end) {
+                let ghost = along_y.from([0, nx + 1][end]);
+                planes.for_each(|plane| set(plane, ghost, 0.0));
+            }
+            let planes = layout.planes(psi).chunks_exact_mut(layout.plane);
+            if self.is_free(1, end) {
+                let ghost = along_x.from([0, (ny + 1) * layout.row][end]);
+                planes.for_each(|plane| set(plane, ghost, 0.0));
+            }
+            if self.is_free(2, end) {
+                psi[[0, (nz + 1) * layout.plane][end]..][..layout.plane].fill(0.0);
+            }
+        }
     }
 
     fn is_periodic(&self, axis: usize) -> bool {

@@ -46,7 +46,7 @@ pub struct Projected {
 pub struct Projection {
     layout: Layout,
     poisson: Poisson,
-    /// Solution of the last solve; its ghosts are 0, or those of periodic sides.
+    /// Solution of the last solve; ghosts are of use at open and periodic sides only.
     psi: Field,
     /// Residual, preconditioned residual, search direction, and A times it; only in a vessel.
     krylov: Option<[Field; 4]>,
@@ -82,9 +82,7 @@ impl Projection {
                 0
             }
         };
-        if ghosts.wrap() {
-            ghosts.wrap_cells(psi);
-        }
+        ghosts.fill_pressure(psi);
         let survey = self.correct(on, ghosts, velocity, force);
         Projected { iterations, survey }
     }
@@ -178,7 +176,7 @@ fn set_residual(
 ) -> [f64; 2] {
     let is_box = on.faces.is_box;
     let body = |k, [out]: [&mut [f32]; 1]| {
-        on.rows(
+        on.run(
             layout,
             k,
             #[inline(always)]

@@ -114,7 +114,7 @@ impl Flow {
                 hold_rates(on, stage.velocity, run, per_s, [gx, gy, gz]);
             }
         });
-        ghosts.fill(out, Fill::Unprojected);
+        ghosts.fill_normals(out);
         mem::swap(velocity, out);
     }
 

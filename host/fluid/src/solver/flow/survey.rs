@@ -52,21 +52,25 @@ pub fn survey_plane(
     k: usize,
 ) -> [f64; 4] {
     let mut speed = Largest::default();
-    let [squares, power, ..] = on.rows(
+    let [squares, power, ..] = on.run(
         layout,
         k,
         #[inline(always)]
-        |Run { to, len, .. }, sums| {
-            let u = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
+        |Run { at, to, len }, [squares, power]| {
+            // Beyond the sides there are ghosts, which are not to be counted.
+            let is_inside = cut(&on.faces.liquid, at, len);
+            let [u, v, w] = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
             speed.raise(
                 len,
                 #[inline(always)]
-                |i| u[0][i].abs() + u[1][i].abs() + u[2][i].abs(),
+                |i| is_inside[i] * (u[i].abs() + v[i].abs() + w[i].abs()),
             );
-            u.iter().for_each(|u| sums[0].add_product(u, u));
+            for u in [u, v, w] {
+                squares.add_shared_product(is_inside, u, u);
+            }
             if let Some(force) = force {
-                for (u, f) in u.iter().zip(force) {
-                    sums[1].add_product(u, cut(f, to, len));
+                for (u, f) in [u, v, w].into_iter().zip(force) {
+                    power.add_shared_product(is_inside, u, cut(f, to, len));
                 }
             }
         },
