@@ -30,6 +30,7 @@
 pub mod flow;
 pub mod founding;
 pub mod sides;
+pub mod traced;
 
 pub use sides::{Side, Sides};
 
@@ -277,6 +278,37 @@ pub const INDEX: &[SolverRow] = &[
                 chooses scheme and sub-steps by itself",
         make: |setup| Ok(Box::new(flow::Flow::new(setup)?)),
         known_misses: &[],
+    },
+    SolverRow {
+        name: "adams-bashforth",
+        about: "auto's energy-conserving fluxes, always extrapolated from the last step",
+        make: |setup| Ok(Box::new(flow::Flow::with_scheme(setup, Scheme::Multistep)?)),
+        known_misses: &[],
+    },
+    SolverRow {
+        name: "runge-kutta",
+        about: "the same in three stages with one projection, always",
+        make: |setup| Ok(Box::new(flow::Flow::with_scheme(setup, Scheme::Central)?)),
+        known_misses: &[],
+    },
+    SolverRow {
+        name: "semi-lagrangian",
+        about: "stable fluids on a staggered grid, midpoint rule, linear (Stam 1999)",
+        make: |setup| Ok(Box::new(traced::Traced::semi_lagrangian(setup)?)),
+        known_misses: traced::KNOWN_MISSES_SEMI_LAGRANGIAN,
+    },
+    SolverRow {
+        name: "maccormack",
+        about: "the same, corrected by going there and back, limited (Selle et al. 2008)",
+        make: |setup| Ok(Box::new(traced::Traced::maccormack(setup)?)),
+        known_misses: traced::KNOWN_MISSES_MACCORMACK,
+    },
+    SolverRow {
+        name: "advection-reflection",
+        about: "half a step, reflected about its projection, half a step; limited cubic \
+                (Zehnder, Narain, Thomaszewski 2018)",
+        make: |setup| Ok(Box::new(traced::Traced::reflection(setup)?)),
+        known_misses: traced::KNOWN_MISSES_REFLECTION,
     },
     SolverRow {
         name: "founding",

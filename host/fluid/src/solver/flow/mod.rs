@@ -4,6 +4,7 @@
 //! It chooses scheme and number of sub-steps from the step it is given, so that it is
 //! accurate where that is cheap and stable always.
 
+pub(super) mod carry;
 pub(crate) mod engine;
 mod exchange;
 pub(crate) mod faces;
@@ -32,13 +33,16 @@ use self::{
     ghosts::{Fill, Ghosts},
     pressure::{Prediction, Projection},
     survey::Survey,
+    trace::Tracer,
 };
 use crate::{
     grid::Grid,
     mask::Mask,
     pool::Pool,
     simd::SimdClass,
-    solver::{Refused, Setup, SetupError, Solver, StepReport, VectorField, VisitVelocity, within},
+    solver::{
+        Refused, Scheme, Setup, SetupError, Solver, StepReport, VectorField, VisitVelocity, within,
+    },
 };
 
 /// No velocity is accepted or kept above this.
@@ -83,6 +87,8 @@ pub struct Flow {
     survey: Option<Survey>,
     /// Energy that the scheme has made from nothing so far, per density and cell volume.
     excess_m2_s2: f64,
+    /// The scheme that steps are to take, if not the one that suits them.
+    forced: Option<Scheme>,
     /// Off only to prove that skipping changes no bits.
     may_sleep: bool,
 }
@@ -128,6 +134,7 @@ impl Flow {
             force_scale: [1.0; 2],
             survey: None,
             excess_m2_s2: 0.0,
+            forced: None,
             may_sleep: true,
             layout,
             faces,
@@ -135,6 +142,21 @@ impl Flow {
         };
         flow.ghosts.fill(&mut flow.velocity, Fill::Projected);
         Ok(flow)
+    }
+
+    /// Liquid at rest that moves by one scheme only. Beyond the scheme's bounds a step is cut into
+    /// more parts; only one that would take more than 10 000 goes by the scheme that suits it, as
+    /// its report says.
+    ///
+    /// # Errors
+    /// As [`Flow::new`], and [`SetupError::Unsupported`] if there is no such way to move.
+    pub fn with_scheme(setup: &Setup, scheme: Scheme) -> Result<Self, SetupError> {
+        match scheme {
+            Scheme::Rest | Scheme::Founding => {
+                Err(SetupError::Unsupported("no flow moves by the schemes rest and founding"))
+            }
+            _ => Ok(Self { forced: Some(scheme), ..Self::new(setup)? }),
+        }
     }
 
     /// The grid that the flow is computed on.
@@ -356,8 +378,8 @@ impl Solver for Flow {
     }
 
     fn velocity_at(&self, point_in_world_m: Vec3) -> Vec3 {
-        let velocity = components(&self.velocity);
-        trace::velocity_at(&self.layout, velocity, self.in_cells(point_in_world_m))
+        let tracer = Tracer::new(&self.layout, &self.ghosts);
+        tracer.velocity_at(components(&self.velocity), self.in_cells(point_in_world_m))
     }
 
     fn kinetic_energy_j(&self) -> f64 {

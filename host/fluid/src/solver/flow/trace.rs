@@ -1,23 +1,19 @@
-//! Velocities between faces, and advection along traced paths.
+//! Velocities between faces, and the paths that faces are traced back along.
 //!
-//! A step across many cells traces each face back along the flow (Robert 1981; midpoint rule),
-//! takes the velocity found there, and corrects it by half the error of going there and back
-//! (MacCormack form of Selle, Fedkiw, Kim, Liu, Rossignac 2008), unless that would leave the
-//! range of the values it was interpolated from. It can lose energy but never gain amplitude.
+//! Everything is done for a block of points at once, coordinate by coordinate, so that it
+//! becomes vector code: a point is found in memory by arithmetic alone, and no index can leave
+//! the array. Beyond a side there are ghosts: see [`super::ghosts::Fill::Carried`].
 
 use glam::Vec3;
 
 use crate::solver::flow::{
     engine::Engine,
-    field::{Layout, Vector, components},
-    ghosts::{Fill, Ghosts},
+    field::{BLOCK, Layout, Vector, cut, cut_mut},
+    ghosts::Ghosts,
 };
 
-/// Where a point lies between the eight values around it.
-struct Place {
-    index: usize,
-    share: [f32; 3],
-}
+/// Points in cells from the grid's corner: all x, all y, all z.
+pub type Points<const N: usize> = [[f32; N]; 3];
 
 /// Position of face `c` of cell (i, j, k) in cells from the grid's corner.
 pub fn face_in_cells(c: usize, i: usize, j: usize, k: usize) -> Vec3 {
@@ -26,92 +22,347 @@ pub fn face_in_cells(c: usize, i: usize, j: usize, k: usize) -> Vec3 {
     point
 }
 
-/// Component `c` of the velocity at a point in cells from the grid's corner. Outside the
-/// grid it is that of the nearest point inside.
-pub fn component_at(layout: &Layout, field: &[f32], c: usize, point: Vec3) -> f32 {
-    corners(layout, field, &place(layout, c, point)).0
+/// A block of faces in a row.
+#[derive(Clone, Copy)]
+pub struct FaceBlock {
+    /// The component that they hold.
+    pub c: usize,
+    /// Index of the first.
+    pub at: usize,
+    /// Where they are.
+    pub points: Points<BLOCK>,
 }
 
-/// The velocity at a point in cells from the grid's corner.
-pub fn velocity_at(layout: &Layout, velocity: [&[f32]; 3], point: Vec3) -> Vec3 {
-    Vec3::from_array(std::array::from_fn(|c| component_at(layout, velocity[c], c, point)))
+/// Finds places in a grid.
+#[derive(Clone, Copy)]
+pub struct Tracer<'a> {
+    layout: &'a Layout,
+    wraps: [bool; 3],
 }
 
-fn place(layout: &Layout, c: usize, point: Vec3) -> Place {
-    let (mut at, mut share) = ([0; 3], [0.0; 3]);
-    for d in 0..3 {
-        let cells = layout.cells[d];
-        let (offset, last) = if d == c { (0.0, cells) } else { (0.5, cells - 1) };
-        // A comparison that is false for NaN: clamp would keep it.
-        let inside = if point[d] > offset { (point[d] - offset).min(last as f32) } else { 0.0 };
-        at[d] = (inside as usize).min(last.saturating_sub(1));
-        share[d] = inside - at[d] as f32;
+impl<'a> Tracer<'a> {
+    /// For a grid with these sides.
+    pub fn new(layout: &'a Layout, ghosts: &Ghosts) -> Self {
+        Self { layout, wraps: std::array::from_fn(|axis| ghosts.is_periodic(axis)) }
     }
-    Place { index: layout.index(at[0], at[1], at[2]), share }
-}
 
-/// The interpolated value, the smallest and the largest of the eight around the place.
-fn corners(layout: &Layout, field: &[f32], place: &Place) -> (f32, f32, f32) {
-    let [sx, sy, sz] = layout.strides();
-    let (mut sum, mut low, mut high) = (0.0, f32::INFINITY, f32::NEG_INFINITY);
-    for corner in 0..8 {
-        let bits = [corner & 1, corner >> 1 & 1, corner >> 2];
-        let value = field[place.index + bits[0] * sx + bits[1] * sy + bits[2] * sz];
-        let weight = |d: usize| if bits[d] == 1 { place.share[d] } else { 1.0 - place.share[d] };
-        sum += weight(0) * weight(1) * weight(2) * value;
-        (low, high) = (low.min(value), high.max(value));
+    /// The velocity at a point. Outside of the grid it is that of the nearest point inside, along
+    /// a periodic axis that of the point's image.
+    pub fn velocity_at(&self, velocity: [&[f32]; 3], point: Vec3) -> Vec3 {
+        let points = self.held(point.to_array().map(|p| [p]));
+        Vec3::from_array(std::array::from_fn(|c| self.linear(c, velocity[c], &points)[0]))
     }
-    (sum, low, high)
-}
 
-/// Advects `velocity` along itself by `cells_per_m_s` = dt / h. `once` is work space, `out` the
-/// result.
-pub fn advect(
-    on: Engine<'_>,
-    layout: &Layout,
-    ghosts: &Ghosts,
-    velocity: &Vector,
-    once: &mut Vector,
-    out: &mut Vector,
-    cells_per_m_s: f32,
-) {
-    let velocity = components(velocity);
-    let path = |from: Vec3, reach: f32| {
-        let middle = from + 0.5 * reach * velocity_at(layout, velocity, from);
-        from + reach * velocity_at(layout, velocity, middle)
-    };
-    visit_faces(on, layout, once, |c, _, face| {
-        component_at(layout, velocity[c], c, path(face, -cells_per_m_s))
-    });
-    ghosts.fill(once, Fill::Unprojected);
-    let once = components(once);
-    visit_faces(on, layout, out, |c, at, face| {
-        let departure = place(layout, c, path(face, -cells_per_m_s));
-        let (_, low, high) = corners(layout, velocity[c], &departure);
-        let there_and_back = component_at(layout, once[c], c, path(face, cells_per_m_s));
-        let corrected = once[c][at] + 0.5 * (velocity[c][at] - there_and_back);
-        if (low..=high).contains(&corrected) { corrected } else { once[c][at] }
-    });
-    ghosts.fill(out, Fill::Unprojected);
-}
+    /// Goes from the faces for `reach` = dt / h along the flow, in equal pieces, each by the
+    /// midpoint rule with the velocities at hand.
+    #[inline(always)]
+    pub fn trace(
+        &self,
+        velocity: [&[f32]; 3],
+        faces: &FaceBlock,
+        reach: f32,
+        pieces: u32,
+    ) -> Points<BLOCK> {
+        let reach = reach / pieces as f32;
+        let mut from = faces.points;
+        for piece in 0..pieces {
+            let here = match piece {
+                0 => self.at_faces(velocity, faces),
+                _ => self.linear_all(velocity, &from),
+            };
+            let middle = self.held(moved(&from, 0.5 * reach, &here));
+            from = self.held(moved(&from, reach, &self.linear_all(velocity, &middle)));
+        }
+        from
+    }
 
-/// Sets every open face to `value(component, index, position in cells)`.
-fn visit_faces(
-    on: Engine<'_>,
-    layout: &Layout,
-    out: &mut Vector,
-    value: impl Fn(usize, usize, Vec3) -> f32 + Sync,
-) {
-    let outs = out.each_mut().map(|out| layout.planes(out));
-    on.pool.planes(outs, [layout.plane; 3], |k, mut outs| {
-        let [nx, ny, _] = layout.cells;
-        for (c, out) in outs.iter_mut().enumerate() {
-            for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
-                let at = layout.index(i, j, k);
-                let is_open = on.faces.open[c][at] > 0.0;
-                let moved = if is_open { value(c, at, face_in_cells(c, i, j, k)) } else { 0.0 };
-                out[layout.index_in_plane(i, j)] = moved;
+    /// Sets the open faces of `out` to `value(faces)`, block by block.
+    pub fn visit(
+        &self,
+        on: Engine<'_>,
+        out: &mut Vector,
+        value: impl Fn(&FaceBlock) -> [f32; BLOCK] + Sync,
+    ) {
+        let layout = self.layout;
+        let outs = out.each_mut().map(|out| layout.planes(out));
+        on.pool.planes(outs, [layout.plane; 3], |k, mut outs| {
+            on.simd.vectorize(
+                #[inline(always)]
+                || {
+                    for (c, out) in outs.iter_mut().enumerate() {
+                        for j in on.faces.live_rows[k].clone() {
+                            for i in (0..layout.cells[0]).step_by(BLOCK) {
+                                let to = layout.index_in_plane(i, j);
+                                let faces = self.block(c, [i, j, k]);
+                                let len = BLOCK.min(layout.cells[0] - i);
+                                let open = cut(&on.faces.open[c], faces.at, len);
+                                let values = value(&faces);
+                                let out = cut_mut(out, to, len);
+                                for l in 0..len {
+                                    out[l] = if open[l] > 0.0 { values[l] } else { 0.0 };
+                                }
+                            }
+                        }
+                    }
+                },
+            );
+        });
+    }
+
+    /// The component between its eight values around each point.
+    #[inline(always)]
+    pub fn linear<const N: usize>(&self, c: usize, field: &[f32], points: &Points<N>) -> [f32; N] {
+        let corners = Corners::new(self.layout, field);
+        let (index, [x, y, z]) = self.places(c, points);
+        let mut out = [0.0; N];
+        for l in 0..N {
+            let v = corners.at(index[l]);
+            let low = (v[0] + x[l] * (v[1] - v[0]), v[2] + x[l] * (v[3] - v[2]));
+            let high = (v[4] + x[l] * (v[5] - v[4]), v[6] + x[l] * (v[7] - v[6]));
+            let (low, high) = (low.0 + y[l] * (low.1 - low.0), high.0 + y[l] * (high.1 - high.0));
+            out[l] = low + z[l] * (high - low);
+        }
+        out
+    }
+
+    /// The smallest and the largest of the eight values around each point.
+    #[inline(always)]
+    pub fn range<const N: usize>(
+        &self,
+        c: usize,
+        field: &[f32],
+        points: &Points<N>,
+    ) -> [[f32; N]; 2] {
+        let corners = Corners::new(self.layout, field);
+        let (index, _) = self.places(c, points);
+        let mut range = [[0.0; N]; 2];
+        for l in 0..N {
+            let v = corners.at(index[l]);
+            range[0][l] = least(least(least(v[0], v[1]), least(v[2], v[3])), least(least(v[4], v[5]), least(v[6], v[7])));
+            range[1][l] = -least(least(least(-v[0], -v[1]), least(-v[2], -v[3])), least(least(-v[4], -v[5]), least(-v[6], -v[7])));
+        }
+        range
+    }
+
+    /// The component by cubic interpolation of its values around each point (Keys 1981); where a
+    /// side leaves too few, the missing one is that of the parabola through the next three.
+    #[inline(always)]
+    pub fn cubic(&self, c: usize, field: &[f32], points: &Points<BLOCK>) -> [f32; BLOCK] {
+        if self.layout.cells[0] < 3 {
+            return self.linear(c, field, points);
+        }
+        let [_, row, plane] = self.layout.strides();
+        let x = self.window(c, 0, &points[0]);
+        let y = self.window(c, 1, &points[1]);
+        let z = self.window(c, 2, &points[2]);
+        let mut out = [0.0; BLOCK];
+        for l in 0..BLOCK {
+            let mut sum = [0.0; 4];
+            for m in 0..4 {
+                let start = x.start[l] as usize + z.node(m, l) * plane;
+                let mut in_plane = [0.0; 4];
+                for n in 0..4 {
+                    let at = (start + y.node(n, l) * row).min(field.len() - 4);
+                    let values = cut(field, at, 4);
+                    let weight = y.weights[n][l];
+                    for i in 0..4 {
+                        in_plane[i] += weight * values[i];
+                    }
+                }
+                for i in 0..4 {
+                    sum[i] += z.weights[m][l] * in_plane[i];
+                }
+            }
+            out[l] = (x.weights[0][l] * sum[0] + x.weights[1][l] * sum[1])
+                + (x.weights[2][l] * sum[2] + x.weights[3][l] * sum[3]);
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn window(&self, c: usize, d: usize, points: &[f32; BLOCK]) -> Window {
+        let first = i32::from(c == d && !self.wraps[d]);
+        Window::new(first, self.layout.cells[d] as i32 + 1, self.along(c, d, points))
+    }
+
+    #[inline(always)]
+    fn block(&self, c: usize, [i, j, k]: [usize; 3]) -> FaceBlock {
+        let first = face_in_cells(c, i, j, k);
+        let mut points = [[first.x; BLOCK], [first.y; BLOCK], [first.z; BLOCK]];
+        for l in 0..BLOCK {
+            points[0][l] += l as f32;
+        }
+        FaceBlock { c, at: self.layout.index(i, j, k), points }
+    }
+
+    /// The velocity at faces: of other components, the mean of the four around.
+    #[inline(always)]
+    fn at_faces(&self, velocity: [&[f32]; 3], faces: &FaceBlock) -> Points<BLOCK> {
+        let (strides, mut out) = (self.layout.strides(), [[0.0; BLOCK]; 3]);
+        for d in 0..3 {
+            let (up, back) = (strides[d], strides[faces.c]);
+            let low = cut(velocity[d], faces.at, BLOCK);
+            let high = cut(velocity[d], faces.at + up, BLOCK);
+            let low_behind = cut(velocity[d], faces.at - back, BLOCK);
+            let high_behind = cut(velocity[d], faces.at + up - back, BLOCK);
+            for l in 0..BLOCK {
+                let mean = 0.25 * ((low[l] + high[l]) + (low_behind[l] + high_behind[l]));
+                out[d][l] = if d == faces.c { low[l] } else { mean };
             }
         }
-    });
+        out
+    }
+
+    #[inline(always)]
+    fn linear_all<const N: usize>(&self, velocity: [&[f32]; 3], points: &Points<N>) -> Points<N> {
+        [
+            self.linear(0, velocity[0], points),
+            self.linear(1, velocity[1], points),
+            self.linear(2, velocity[2], points),
+        ]
+    }
+
+    /// The points moved into the grid, those that are not numbers to its corner.
+    #[inline(always)]
+    fn held<const N: usize>(&self, mut points: Points<N>) -> Points<N> {
+        for d in 0..3 {
+            let n = self.layout.cells[d] as f32;
+            for l in 0..N {
+                let mut p = points[d][l];
+                if self.wraps[d] {
+                    p -= n * (p / n).floor();
+                }
+                // Comparisons that are false for NaN: clamp would keep it.
+                p = if p > 0.0 { p } else { 0.0 };
+                points[d][l] = if p < n { p } else { n };
+            }
+        }
+        points
+    }
+
+    /// The padded indices below the points along axis `d`, and how far the points are beyond.
+    #[inline(always)]
+    fn along<const N: usize>(&self, c: usize, d: usize, points: &[f32; N]) -> ([i32; N], [f32; N]) {
+        let (shift, last) = (if c == d { 1.0 } else { 0.5 }, self.layout.cells[d] as i32);
+        let (mut below, mut share) = ([0; N], [0.0; N]);
+        for l in 0..N {
+            let padded = points[l] + shift;
+            below[l] = (padded as i32).min(last);
+            share[l] = padded - below[l] as f32;
+        }
+        (below, share)
+    }
+
+    /// Indices of the lowest of the eight values around each point, and the shares beyond.
+    #[inline(always)]
+    fn places<const N: usize>(&self, c: usize, points: &Points<N>) -> ([i32; N], [[f32; N]; 3]) {
+        let [_, row, plane] = self.layout.strides();
+        let (x, x_share) = self.along(c, 0, &points[0]);
+        let (y, y_share) = self.along(c, 1, &points[1]);
+        let (z, z_share) = self.along(c, 2, &points[2]);
+        let mut index = [0; N];
+        for l in 0..N {
+            index[l] = x[l] + y[l] * row as i32 + z[l] * plane as i32;
+        }
+        (index, [x_share, y_share, z_share])
+    }
+}
+
+/// An array as seen from each of the eight corners of a cell, x first.
+struct Corners<'f>([&'f [f32]; 8], usize);
+
+impl<'f> Corners<'f> {
+    #[inline(always)]
+    fn new(layout: &Layout, field: &'f [f32]) -> Self {
+        let [_, row, plane] = layout.strides();
+        let len = field.len() - (plane + row + 1);
+        let corners = [
+            cut(field, 0, len),
+            cut(field, 1, len),
+            cut(field, row, len),
+            cut(field, row + 1, len),
+            cut(field, plane, len),
+            cut(field, plane + 1, len),
+            cut(field, plane + row, len),
+            cut(field, plane + row + 1, len),
+        ];
+        Self(corners, len)
+    }
+
+    /// The eight values; the minimum spares the checks of bounds.
+    #[inline(always)]
+    fn at(&self, index: i32) -> [f32; 8] {
+        let (v, i) = (&self.0, (index as usize).min(self.1 - 1));
+        [v[0][i], v[1][i], v[2][i], v[3][i], v[4][i], v[5][i], v[6][i], v[7][i]]
+    }
+}
+
+/// The smaller; `f32::min` would be slower for the sake of NaN.
+#[inline(always)]
+fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// Where to go from `from` at `velocity`.
+#[inline(always)]
+fn moved<const N: usize>(from: &Points<N>, reach: f32, velocity: &Points<N>) -> Points<N> {
+    let mut to = [[0.0; N]; 3];
+    for d in 0..3 {
+        for l in 0..N {
+            to[d][l] = from[d][l] + reach * velocity[d][l];
+        }
+    }
+    to
+}
+
+/// The four values along an axis that each point of a block lies between, and their weights.
+struct Window {
+    start: [i32; BLOCK],
+    last: i32,
+    weights: [[f32; BLOCK]; 4],
+}
+
+impl Window {
+    /// Among the values from `first` to `last`; if they are fewer than four, weights are linear.
+    #[inline(always)]
+    fn new(first: i32, last: i32, (below, share): ([i32; BLOCK], [f32; BLOCK])) -> Self {
+        let mut window = Self { start: below, last, weights: [[0.0; BLOCK]; 4] };
+        for l in 0..BLOCK {
+            let [a, b, c, d] = keys(share[l]);
+            let weights = if last - first < 3 {
+                [1.0 - share[l], share[l], 0.0, 0.0]
+            } else if below[l] - 1 < first {
+                [b + 3.0 * a, c - 3.0 * a, d + a, 0.0]
+            } else if below[l] + 2 > last {
+                [0.0, a + d, b - 3.0 * d, c + 3.0 * d]
+            } else {
+                [a, b, c, d]
+            };
+            for m in 0..4 {
+                window.weights[m][l] = weights[m];
+            }
+            if last - first >= 3 {
+                window.start[l] = (below[l] - 1).max(first).min(last - 3);
+            }
+        }
+        window
+    }
+
+    /// The padded index of one of the four.
+    #[inline(always)]
+    fn node(&self, m: usize, l: usize) -> usize {
+        (self.start[l] + m as i32).min(self.last) as usize
+    }
+}
+
+/// Weights of the four values around a point at share `t` between the middle two.
+#[inline(always)]
+fn keys(t: f32) -> [f32; 4] {
+    let rest = 1.0 - t;
+    [
+        -0.5 * t * rest * rest,
+        1.0 + t * t * (1.5 * t - 2.5),
+        1.0 + rest * rest * (1.5 * rest - 2.5),
+        -0.5 * rest * t * t,
+    ]
 }
