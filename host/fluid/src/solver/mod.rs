@@ -139,6 +139,12 @@ pub fn within(what: &'static str, value: f64, limit: f64) -> Result<f64, Refused
     if value.abs() <= limit { Ok(value) } else { Err(Refused { what, value }) }
 }
 
+/// A property of a liquid: from 0 to 10^6.
+fn not_negative(what: &'static str, value: f32) -> Result<f64, Refused> {
+    let value = f64::from(value);
+    if value < 0.0 { Err(Refused { what, value }) } else { within(what, value, 1e6) }
+}
+
 /// The scheme that a step was computed with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
@@ -148,8 +154,8 @@ pub enum Scheme {
     Multistep,
     /// The same fluxes in three stages (Runge, Kutta).
     Central,
-    /// The same in three stages, with viscosity implicit.
-    CentralImplicit,
+    /// The same fluxes extrapolated from the last step, with viscosity implicit.
+    MultistepImplicit,
     /// Traced back along the flow: for steps across many cells.
     Traced,
     /// The founding thesis's own.
@@ -268,6 +274,8 @@ pub struct SolverRow {
     pub make: fn(&Setup) -> Result<Box<dyn Solver>, SetupError>,
     /// What it is known to miss.
     pub known_misses: &'static [KnownMiss],
+    /// What it misses of the conformance tests that run on every solver, by the name of the test.
+    pub conformance_misses: &'static [KnownMiss],
 }
 
 /// All solvers.
@@ -278,30 +286,35 @@ pub const INDEX: &[SolverRow] = &[
                 chooses scheme and sub-steps by itself",
         make: |setup| Ok(Box::new(flow::Flow::new(setup)?)),
         known_misses: &[],
+        conformance_misses: &[],
     },
     SolverRow {
         name: "adams-bashforth",
         about: "auto's energy-conserving fluxes, always extrapolated from the last step",
         make: |setup| Ok(Box::new(flow::Flow::with_scheme(setup, Scheme::Multistep)?)),
         known_misses: &[],
+        conformance_misses: &[],
     },
     SolverRow {
         name: "runge-kutta",
         about: "the same in three stages with one projection, always",
         make: |setup| Ok(Box::new(flow::Flow::with_scheme(setup, Scheme::Central)?)),
         known_misses: &[],
+        conformance_misses: &[],
     },
     SolverRow {
         name: "semi-lagrangian",
         about: "stable fluids on a staggered grid, midpoint rule, linear (Stam 1999)",
         make: |setup| Ok(Box::new(traced::Traced::semi_lagrangian(setup)?)),
         known_misses: traced::KNOWN_MISSES_SEMI_LAGRANGIAN,
+        conformance_misses: traced::CONFORMANCE_MISSES_SEMI_LAGRANGIAN,
     },
     SolverRow {
         name: "maccormack",
         about: "the same, corrected by going there and back, limited (Selle et al. 2008)",
         make: |setup| Ok(Box::new(traced::Traced::maccormack(setup)?)),
         known_misses: traced::KNOWN_MISSES_MACCORMACK,
+        conformance_misses: traced::CONFORMANCE_MISSES_MACCORMACK,
     },
     SolverRow {
         name: "advection-reflection",
@@ -309,18 +322,21 @@ pub const INDEX: &[SolverRow] = &[
                 (Zehnder, Narain, Thomaszewski 2018)",
         make: |setup| Ok(Box::new(traced::Traced::reflection(setup)?)),
         known_misses: traced::KNOWN_MISSES_REFLECTION,
+        conformance_misses: traced::CONFORMANCE_MISSES_REFLECTION,
     },
     SolverRow {
         name: "founding",
         about: "the founding thesis's stable fluids as printed, faults included (Mora 2008)",
         make: |setup| Ok(Box::new(founding::Founding::new(setup)?)),
         known_misses: founding::KNOWN_MISSES,
+        conformance_misses: founding::CONFORMANCE_MISSES,
     },
     SolverRow {
         name: "founding-repaired",
         about: "the same with its constants repaired; 20 sweeps still do not converge",
         make: |setup| Ok(Box::new(founding::Founding::repaired(setup)?)),
         known_misses: founding::KNOWN_MISSES_REPAIRED,
+        conformance_misses: founding::CONFORMANCE_MISSES_REPAIRED,
     },
 ];
 

@@ -24,6 +24,13 @@ pub const KNOWN_MISSES_MACCORMACK: &[KnownMiss] = &[];
 /// What is left of reflection with cubic interpolation.
 pub const KNOWN_MISSES_REFLECTION: &[KnownMiss] = &[];
 
+/// What all three do not keep to.
+pub const CONFORMANCE_MISSES_SEMI_LAGRANGIAN: &[KnownMiss] = &[];
+/// What.
+pub const CONFORMANCE_MISSES_MACCORMACK: &[KnownMiss] = &[];
+/// What.
+pub const CONFORMANCE_MISSES_REFLECTION: &[KnownMiss] = &[];
+
 /// A flow that is traced whatever the step.
 pub struct Traced {
     carriage: Carriage,

@@ -66,7 +66,7 @@ impl Flow {
         report: &mut StepReport,
     ) {
         self.pressure_dt_s = 0.0;
-        self.history_dt_s = 0.0;
+        self.history = None;
         let [start, end] = force_scale;
         if carriage == Carriage::Reflection {
             self.act(0.5 * dt_s, start, report);

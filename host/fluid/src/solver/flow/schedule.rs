@@ -27,8 +27,12 @@ const TREND_CFL: f64 = 0.5;
 /// ghosts of a side that sticks add a few per cent to the largest eigenvalue.
 const EXPLICIT_VISCOUS: f64 = 2.2;
 
-/// Parts up to which viscosity is explicit although the speed would allow for fewer.
-const EXPLICIT_PARTS: f64 = 2.0;
+/// Sum over axes of |u| dt / h of one multistep part whose viscosity is implicit: that is thick
+/// enough to damp what would grow.
+const IMPLICIT_CFL: f64 = 0.5;
+
+/// What one explicit part of three stages costs in the time of one implicit multistep part.
+const EXPLICIT_COST: f64 = 0.8;
 
 /// Beyond this number of parts the flow is traced back instead.
 const MAX_PARTS: f64 = 16.0;
@@ -70,7 +74,7 @@ fn plan_forced(cfl: f64, viscous: f64, scheme: Scheme) -> Option<Plan> {
     let parts = match scheme {
         Scheme::Multistep => (cfl / MULTISTEP_CFL).max(viscous / MULTISTEP_VISCOUS),
         Scheme::Central => (cfl / CENTRAL_CFL).max(viscous / EXPLICIT_VISCOUS),
-        Scheme::CentralImplicit => cfl / CENTRAL_CFL,
+        Scheme::MultistepImplicit => cfl / IMPLICIT_CFL,
         Scheme::Rest | Scheme::Traced | Scheme::Founding => 1.0,
     };
     let parts = parts.ceil().max(1.0);
@@ -83,14 +87,17 @@ fn plan_freely(cfl: f64, viscous: f64) -> Plan {
     if cfl <= MULTISTEP_CFL && viscous <= MULTISTEP_VISCOUS && is_damped {
         return Plan::new(Scheme::Multistep, 1.0, cfl);
     }
-    let parts = (cfl / CENTRAL_CFL).ceil().max(1.0);
-    let parts_if_explicit = parts.max((viscous / EXPLICIT_VISCOUS).ceil());
-    let (scheme, parts) = if parts > MAX_PARTS {
-        (Scheme::Traced, 1.0)
-    } else if parts_if_explicit <= parts.max(EXPLICIT_PARTS) {
-        (Scheme::Central, parts_if_explicit)
+    let needed = |load: f64, bound: f64| (load / bound).ceil().max(1.0);
+    let explicit = needed(cfl, CENTRAL_CFL).max(needed(viscous, EXPLICIT_VISCOUS));
+    let implicit = needed(cfl, IMPLICIT_CFL);
+    let (scheme, parts) = if explicit <= MAX_PARTS && EXPLICIT_COST * explicit <= implicit {
+        (Scheme::Central, explicit)
+    } else if implicit <= MAX_PARTS && viscous > EXPLICIT_VISCOUS {
+        (Scheme::MultistepImplicit, implicit)
+    } else if explicit <= MAX_PARTS {
+        (Scheme::Central, explicit)
     } else {
-        (Scheme::CentralImplicit, parts)
+        (Scheme::Traced, 1.0)
     };
     Plan::new(scheme, parts, cfl)
 }
@@ -110,8 +117,8 @@ mod tests {
         assert_eq!(of(0.3, 0.1), (Scheme::Multistep, 1));
         assert_eq!(of(0.3, 0.0), (Scheme::Central, 1));
         assert_eq!(of(1.5, 0.0), (Scheme::Central, 2));
-        assert_eq!(of(0.5, 4.0), (Scheme::Central, 2));
-        assert_eq!(of(0.5, 40.0), (Scheme::CentralImplicit, 1));
+        assert_eq!(of(0.9, 4.0), (Scheme::Central, 2));
+        assert_eq!(of(0.5, 40.0), (Scheme::MultistepImplicit, 1));
         assert_eq!(of(1000.0, 1e9), (Scheme::Traced, 1));
     }
 
@@ -125,9 +132,9 @@ mod tests {
         assert_eq!(of(3.5, 0.0, Scheme::Multistep), (Scheme::Multistep, 10));
         assert_eq!(of(0.1, 8.0, Scheme::Multistep), (Scheme::Multistep, 10));
         assert_eq!(of(0.1, 22.0, Scheme::Central), (Scheme::Central, 10));
-        assert_eq!(of(11.0, 1e9, Scheme::CentralImplicit), (Scheme::CentralImplicit, 10));
+        assert_eq!(of(5.0, 1e9, Scheme::MultistepImplicit), (Scheme::MultistepImplicit, 10));
         assert_eq!(of(0.1, 0.0, Scheme::Traced), (Scheme::Traced, 1));
-        assert_eq!(of(0.1, 1e9, Scheme::Central), (Scheme::CentralImplicit, 1));
+        assert_eq!(of(0.1, 1e9, Scheme::Central), (Scheme::MultistepImplicit, 1));
         assert_eq!(of(1e9, 0.0, Scheme::Multistep), (Scheme::Traced, 1));
     }
 

@@ -138,8 +138,14 @@ impl<'a> Tracer<'a> {
         let mut range = [[0.0; N]; 2];
         for l in 0..N {
             let v = corners.at(index[l]);
-            range[0][l] = least(least(least(v[0], v[1]), least(v[2], v[3])), least(least(v[4], v[5]), least(v[6], v[7])));
-            range[1][l] = -least(least(least(-v[0], -v[1]), least(-v[2], -v[3])), least(least(-v[4], -v[5]), least(-v[6], -v[7])));
+            range[0][l] = least(
+                least(least(v[0], v[1]), least(v[2], v[3])),
+                least(least(v[4], v[5]), least(v[6], v[7])),
+            );
+            range[1][l] = -least(
+                least(least(-v[0], -v[1]), least(-v[2], -v[3])),
+                least(least(-v[4], -v[5]), least(-v[6], -v[7])),
+            );
         }
         range
     }
