@@ -307,14 +307,14 @@ pub const INDEX: &[SolverRow] = &[
         about: "stable fluids on a staggered grid, midpoint rule, linear (Stam 1999)",
         make: |setup| Ok(Box::new(traced::Traced::semi_lagrangian(setup)?)),
         known_misses: traced::KNOWN_MISSES_SEMI_LAGRANGIAN,
-        conformance_misses: traced::CONFORMANCE_MISSES_SEMI_LAGRANGIAN,
+        conformance_misses: &[],
     },
     SolverRow {
         name: "maccormack",
         about: "the same, corrected by going there and back, limited (Selle et al. 2008)",
         make: |setup| Ok(Box::new(traced::Traced::maccormack(setup)?)),
         known_misses: traced::KNOWN_MISSES_MACCORMACK,
-        conformance_misses: traced::CONFORMANCE_MISSES_MACCORMACK,
+        conformance_misses: &[],
     },
     SolverRow {
         name: "advection-reflection",
@@ -322,7 +322,7 @@ pub const INDEX: &[SolverRow] = &[
                 (Zehnder, Narain, Thomaszewski 2018)",
         make: |setup| Ok(Box::new(traced::Traced::reflection(setup)?)),
         known_misses: traced::KNOWN_MISSES_REFLECTION,
-        conformance_misses: traced::CONFORMANCE_MISSES_REFLECTION,
+        conformance_misses: &[],
     },
     SolverRow {
         name: "founding",

@@ -16,20 +16,22 @@ use crate::{
 };
 
 /// What linear interpolation loses.
-pub const KNOWN_MISSES_SEMI_LAGRANGIAN: &[KnownMiss] = &[];
+pub const KNOWN_MISSES_SEMI_LAGRANGIAN: &[KnownMiss] = &[
+    KnownMiss { case: "taylor-green", n: 32, at_least: 0.0977, at_most: 0.1017 },
+    KnownMiss { case: "mms", n: 32, at_least: 0.1315, at_most: 0.1369 },
+];
 
 /// What is left of that once it is corrected.
-pub const KNOWN_MISSES_MACCORMACK: &[KnownMiss] = &[];
+pub const KNOWN_MISSES_MACCORMACK: &[KnownMiss] = &[
+    KnownMiss { case: "taylor-green", n: 32, at_least: 0.0577, at_most: 0.0602 },
+    KnownMiss { case: "mms", n: 32, at_least: 0.0442, at_most: 0.0462 },
+];
 
 /// What is left of reflection with cubic interpolation.
-pub const KNOWN_MISSES_REFLECTION: &[KnownMiss] = &[];
-
-/// What all three do not keep to.
-pub const CONFORMANCE_MISSES_SEMI_LAGRANGIAN: &[KnownMiss] = &[];
-/// What.
-pub const CONFORMANCE_MISSES_MACCORMACK: &[KnownMiss] = &[];
-/// What.
-pub const CONFORMANCE_MISSES_REFLECTION: &[KnownMiss] = &[];
+pub const KNOWN_MISSES_REFLECTION: &[KnownMiss] = &[
+    KnownMiss { case: "taylor-green", n: 32, at_least: 0.00136, at_most: 0.00143 },
+    KnownMiss { case: "mms", n: 32, at_least: 0.00428, at_most: 0.00446 },
+];
 
 /// A flow that is traced whatever the step.
 pub struct Traced {

@@ -33,10 +33,6 @@ pub enum Carriage {
     Reflection,
 }
 
-/// Pieces of a path in a half step of [`Carriage::Reflection`]: a jerk turns the flow by more
-/// than one straight piece could follow.
-const PIECES: u32 = 2;
-
 impl Flow {
     /// A whole step by that carriage, projected, with nothing but its speed guarded.
     pub(in crate::solver) fn carry_alone(
@@ -116,7 +112,7 @@ impl Flow {
             out,
             #[inline(always)]
             |faces| {
-                let departure = tracer.trace(along, faces, -reach, PIECES);
+                let departure = tracer.trace(along, faces, -reach);
                 let mut values = tracer.cubic(faces.c, from[faces.c], &departure);
                 let [low, high] = tracer.range(faces.c, from[faces.c], &departure);
                 for l in 0..BLOCK {
@@ -140,7 +136,7 @@ impl Flow {
             on,
             once,
             #[inline(always)]
-            |faces| tracer.linear(faces.c, u[faces.c], &tracer.trace(u, faces, -reach, 1)),
+            |faces| tracer.linear(faces.c, u[faces.c], &tracer.trace(u, faces, -reach)),
         );
         if carriage == Carriage::SemiLagrangian {
             ghosts.fill(once, Fill::Unprojected);
@@ -155,9 +151,9 @@ impl Flow {
             #[inline(always)]
             |faces| {
                 let (u, moved) = (u, moved[faces.c]);
-                let departure = tracer.trace(u, faces, -reach, 1);
+                let departure = tracer.trace(u, faces, -reach);
                 let [low, high] = tracer.range(faces.c, u[faces.c], &departure);
-                let arrival = tracer.trace(u, faces, reach, 1);
+                let arrival = tracer.trace(u, faces, reach);
                 let back = tracer.linear(faces.c, moved, &arrival);
                 let here = cut(u[faces.c], faces.at, BLOCK);
                 let there = cut(moved, faces.at, BLOCK);

@@ -130,8 +130,9 @@ impl Flow {
         dt_s: f64,
         report: &mut StepReport,
     ) -> Survey {
-        let [start, end] = self.force_scale;
-        let work = 0.5 * dt_s * (start * before.power_m2_s3 + end * after.power_m2_s3);
+        // As u'^2 - u^2 = (u' + u)(u' - u): exact, however the force changes meanwhile.
+        let push_s = 0.5 * dt_s * (self.force_scale[0] + self.force_scale[1]);
+        let work = 0.5 * push_s * (before.power_m2_s3 + after.power_m2_s3);
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
         self.excess_m2_s2 = if self.is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
         let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());

@@ -53,27 +53,12 @@ impl<'a> Tracer<'a> {
         Vec3::from_array(std::array::from_fn(|c| self.linear(c, velocity[c], &points)[0]))
     }
 
-    /// Goes from the faces for `reach` = dt / h along the flow, in equal pieces, each by the
-    /// midpoint rule with the velocities at hand.
+    /// Goes from the faces for `reach` = dt / h along the flow, by the midpoint rule.
     #[inline(always)]
-    pub fn trace(
-        &self,
-        velocity: [&[f32]; 3],
-        faces: &FaceBlock,
-        reach: f32,
-        pieces: u32,
-    ) -> Points<BLOCK> {
-        let reach = reach / pieces as f32;
-        let mut from = faces.points;
-        for piece in 0..pieces {
-            let here = match piece {
-                0 => self.at_faces(velocity, faces),
-                _ => self.linear_all(velocity, &from),
-            };
-            let middle = self.held(moved(&from, 0.5 * reach, &here));
-            from = self.held(moved(&from, reach, &self.linear_all(velocity, &middle)));
-        }
-        from
+    pub fn trace(&self, velocity: [&[f32]; 3], faces: &FaceBlock, reach: f32) -> Points<BLOCK> {
+        let here = self.at_faces(velocity, faces);
+        let middle = self.held(moved(&faces.points, 0.5 * reach, &here));
+        self.held(moved(&faces.points, reach, &self.linear_all(velocity, &middle)))
     }
 
     /// Sets the open faces of `out` to `value(faces)`, block by block.
@@ -371,4 +356,85 @@ fn keys(t: f32) -> [f32; 4] {
         1.0 + rest * rest * (1.5 * rest - 2.5),
         -0.5 * rest * t * t,
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::{
+        Side, Sides,
+        flow::{faces::cells, ghosts::Fill},
+    };
+
+    const CELLS: [usize; 3] = [9, 5, 4];
+
+    /// A block of points all over the grid, up to its sides and beyond.
+    fn points() -> Points<BLOCK> {
+        [0.37, 0.71, 0.53]
+            .map(|step| std::array::from_fn(|l| ((l as f32 * step * 7.0) % 11.0) - 1.0))
+    }
+
+    /// A component with `value` at its faces, ghosts and all.
+    fn sampled(layout: &Layout, c: usize, value: impl Fn(Vec3) -> f32) -> Vec<f32> {
+        let mut field = vec![0.0; layout.zeros().len()];
+        for (i, j, k) in cells(layout.cells.map(|n| n + 2)) {
+            let at = layout.index(0, 0, 0) + i + j * layout.row + k * layout.plane
+                - layout.strides().iter().sum::<usize>();
+            field[at] = value(face_in_cells(c, i, j, k) - 1.0);
+        }
+        field
+    }
+
+    #[test]
+    fn cubic_interpolation_is_exact_for_parabolas_up_to_the_sides() {
+        let layout = Layout::new(CELLS);
+        let ghosts = Ghosts::new(&layout, &Sides::all(Side::FreeSlip));
+        let tracer = Tracer::new(&layout, &ghosts);
+        let bent = |p: Vec3| 0.3 * p.x * p.x - p.x * p.y + 0.5 * p.z * p.z - 0.2 * p.y * p.y + p.z;
+        let points = tracer.held(points());
+        for c in 0..3 {
+            let field = sampled(&layout, c, bent);
+            let found = tracer.cubic(c, &field, &points);
+            for l in 0..BLOCK {
+                let exact = bent(Vec3::new(points[0][l], points[1][l], points[2][l]));
+                assert!((found[l] - exact).abs() < 2e-5, "{c} {l}: {} {exact}", found[l]);
+            }
+        }
+    }
+
+    #[test]
+    fn linear_interpolation_is_within_its_range_and_exact_for_planes() {
+        let layout = Layout::new(CELLS);
+        let ghosts = Ghosts::new(&layout, &Sides::all(Side::FreeSlip));
+        let tracer = Tracer::new(&layout, &ghosts);
+        let plane = |p: Vec3| p.x - 2.0 * p.y + 0.5 * p.z;
+        let points = tracer.held(points());
+        let field = sampled(&layout, 1, plane);
+        let (found, [low, high]) =
+            (tracer.linear(1, &field, &points), tracer.range(1, &field, &points));
+        for l in 0..BLOCK {
+            let exact = plane(Vec3::new(points[0][l], points[1][l], points[2][l]));
+            assert!((found[l] - exact).abs() < 1e-5);
+            assert!(low[l] - 1e-5 <= exact && exact <= high[l] + 1e-5 && high[l] - low[l] < 4.0);
+        }
+    }
+
+    #[test]
+    fn points_come_in_again_where_the_axis_is_periodic_and_stay_at_a_side() {
+        let layout = Layout::new(CELLS);
+        let sides = Sides::all(Side::FreeSlip).with(0, [Side::Periodic; 2]);
+        let ghosts = Ghosts::new(&layout, &sides);
+        let tracer = Tracer::new(&layout, &ghosts);
+        let held = tracer.held([[-1.0, 10.5, f32::NAN], [-1.0, 10.5, 2.0], [1e30, -1e30, 0.5]]);
+        assert_eq!(held, [[8.0, 1.5, 0.0], [0.0, 5.0, 2.0], [4.0, 0.0, 0.5]]);
+        let mut velocity = [layout.zeros(), layout.zeros(), layout.zeros()];
+        for (i, j, k) in cells(CELLS) {
+            velocity[0][layout.index(i, j, k)] = i as f32;
+        }
+        ghosts.fill(&mut velocity, Fill::Carried);
+        let at = |x| {
+            tracer.velocity_at(crate::solver::flow::components(&velocity), Vec3::new(x, 2.0, 2.0)).x
+        };
+        assert_eq!([at(8.0), at(8.5), at(9.0), at(-0.5)], [8.0, 4.0, 0.0, 4.0]);
+    }
 }
