@@ -95,7 +95,7 @@ fn energy_gained(row: &SolverRow, velocity: fn(DVec3) -> DVec3, dt_s: f64) -> f6
     solver.set_velocity(&velocity).expect("finite");
     solver.project();
     let before = solver.kinetic_energy_j();
-    let after = (0..40).map(|_| solver.step(dt_s).expect("finite").kinetic_energy_j);
+    let after = (0..20).map(|_| solver.step(dt_s).expect("finite").kinetic_energy_j);
     (after.fold(0.0, f64::max) / before - 1.0).max(0.0)
 }
 
