@@ -232,6 +232,7 @@ fn a_setup_is_taken_or_refused_with_a_reason() {
         boxed([2, 3, 9]),
         Setup::new(grid([8; 3]), pot),
         sided(Sides::all(Side::NoSlip)),
+        sided(Sides::all(Side::Periodic)),
         sided(free.with(1, [Side::NoSlip, Side::Moving(Vec3::X)])),
         sided(free.with(0, flowing)),
     ];

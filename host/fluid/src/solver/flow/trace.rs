@@ -3,6 +3,7 @@
 //! Everything is done for a block of points at once, coordinate by coordinate, so that it
 //! becomes vector code: a point is found in memory by arithmetic alone, and no index can leave
 //! the array. Beyond a side there are ghosts: see [`super::ghosts::Fill::Carried`].
+#![allow(clippy::needless_range_loop, reason = "one lane of many arrays at a time: vector code")]
 
 mod between;
 

@@ -1,4 +1,5 @@
 //! Values between those of a component, for a block of points at once.
+#![allow(clippy::needless_range_loop, reason = "one lane of many arrays at a time: vector code")]
 
 use crate::solver::flow::{
     field::{BLOCK, Layout, cut},
