@@ -1,8 +1,7 @@
 //! The solvers that ours is compared with, by their textbooks: velocities traced back along the
 //! flow, on our staggered grid and with our projection, so that what differs is the tracing.
 //!
-//! Each takes any step in one part and has no guard over its energy, only over its speed. See
-//! [`super::flow::carry`] for the arithmetic.
+//! Each takes any step in one part and has no guard over its energy, only over its speed.
 
 use glam::Vec3;
 
