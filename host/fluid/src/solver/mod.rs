@@ -30,6 +30,7 @@
 pub mod flow;
 pub mod founding;
 pub mod sides;
+pub mod traced;
 
 pub use sides::{Side, Sides};
 
@@ -136,6 +137,12 @@ impl From<Refused> for SetupError {
 /// [`Refused`], naming `what`, if it is larger or not a number.
 pub fn within(what: &'static str, value: f64, limit: f64) -> Result<f64, Refused> {
     if value.abs() <= limit { Ok(value) } else { Err(Refused { what, value }) }
+}
+
+/// A property of a liquid: from 0 to 10^6.
+fn not_negative(what: &'static str, value: f32) -> Result<f64, Refused> {
+    let value = f64::from(value);
+    if value < 0.0 { Err(Refused { what, value }) } else { within(what, value, 1e6) }
 }
 
 /// The scheme that a step was computed with.
@@ -267,6 +274,8 @@ pub struct SolverRow {
     pub make: fn(&Setup) -> Result<Box<dyn Solver>, SetupError>,
     /// What it is known to miss.
     pub known_misses: &'static [KnownMiss],
+    /// What it misses of the conformance tests that run on every solver, by the name of the test.
+    pub conformance_misses: &'static [KnownMiss],
 }
 
 /// All solvers.
@@ -277,18 +286,57 @@ pub const INDEX: &[SolverRow] = &[
                 chooses scheme and sub-steps by itself",
         make: |setup| Ok(Box::new(flow::Flow::new(setup)?)),
         known_misses: &[],
+        conformance_misses: &[],
+    },
+    SolverRow {
+        name: "adams-bashforth",
+        about: "auto's energy-conserving fluxes, always extrapolated from the last step",
+        make: |setup| Ok(Box::new(flow::Flow::with_scheme(setup, Scheme::Multistep)?)),
+        known_misses: &[],
+        conformance_misses: &[],
+    },
+    SolverRow {
+        name: "runge-kutta",
+        about: "the same in three stages with one projection, always",
+        make: |setup| Ok(Box::new(flow::Flow::with_scheme(setup, Scheme::Central)?)),
+        known_misses: &[],
+        conformance_misses: &[],
+    },
+    SolverRow {
+        name: "semi-lagrangian",
+        about: "stable fluids on a staggered grid, midpoint rule, linear (Stam 1999)",
+        make: |setup| Ok(Box::new(traced::Traced::semi_lagrangian(setup)?)),
+        known_misses: traced::KNOWN_MISSES_SEMI_LAGRANGIAN,
+        conformance_misses: &[],
+    },
+    SolverRow {
+        name: "maccormack",
+        about: "the same, corrected by going there and back, limited (Selle et al. 2008)",
+        make: |setup| Ok(Box::new(traced::Traced::maccormack(setup)?)),
+        known_misses: traced::KNOWN_MISSES_MACCORMACK,
+        conformance_misses: &[],
+    },
+    SolverRow {
+        name: "advection-reflection",
+        about: "half a step, reflected about its projection, half a step; limited cubic \
+                (Zehnder, Narain, Thomaszewski 2018)",
+        make: |setup| Ok(Box::new(traced::Traced::reflection(setup)?)),
+        known_misses: traced::KNOWN_MISSES_REFLECTION,
+        conformance_misses: &[],
     },
     SolverRow {
         name: "founding",
         about: "the founding thesis's stable fluids as printed, faults included (Mora 2008)",
         make: |setup| Ok(Box::new(founding::Founding::new(setup)?)),
         known_misses: founding::KNOWN_MISSES,
+        conformance_misses: founding::CONFORMANCE_MISSES,
     },
     SolverRow {
         name: "founding-repaired",
         about: "the same with its constants repaired; 20 sweeps still do not converge",
         make: |setup| Ok(Box::new(founding::Founding::repaired(setup)?)),
         known_misses: founding::KNOWN_MISSES_REPAIRED,
+        conformance_misses: founding::CONFORMANCE_MISSES_REPAIRED,
     },
 ];
 

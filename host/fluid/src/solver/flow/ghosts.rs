@@ -42,6 +42,9 @@ pub enum Fill {
     Unprojected,
     /// A velocity as it is to be.
     Projected,
+    /// A velocity to be interpolated: ghosts are on a straight line through the side, so that
+    /// nothing between them and the flow exceeds both the flow and the side.
+    Carried,
     /// A difference of two velocities: sides count as resting.
     Difference,
 }
@@ -193,7 +196,8 @@ impl Ghosts {
         }
     }
 
-    fn is_periodic(&self, axis: usize) -> bool {
+    /// True if the axis is periodic.
+    pub fn is_periodic(&self, axis: usize) -> bool {
         matches!(self.rules[axis][0], Rule::Periodic)
     }
 
@@ -279,6 +283,7 @@ impl Ghosts {
                     match velocity {
                         None if c == axis => set(array, line([0, n][end]), 0.0),
                         Some(u) if c == axis => put(array, line([0, n][end]), u),
+                        _ if fill == Fill::Carried => mirror(array, inner, velocity, ghost),
                         _ => extrapolate(array, [inner, second], velocity, ghost),
                     }
                 }
@@ -307,6 +312,14 @@ fn copy(array: &mut [f32], from: Line, to: Line, sign: f32) {
 fn put(array: &mut [f32], to: Line, values: &[f32]) {
     for (i, value) in values.iter().enumerate().take(to.len) {
         array[to.start + i * to.step] = *value;
+    }
+}
+
+/// The ghost of the straight line through the side and the first value.
+fn mirror(array: &mut [f32], first: Line, side: Option<&[f32]>, ghost: Line) {
+    for i in 0..ghost.len {
+        let side = side.map_or(0.0, |side| side[i]);
+        array[ghost.start + i * ghost.step] = 2.0 * side - array[first.start + i * first.step];
     }
 }
 

@@ -4,6 +4,7 @@
 //! It chooses scheme and number of sub-steps from the step it is given, so that it is
 //! accurate where that is cheap and stable always.
 
+pub(super) mod carry;
 pub(crate) mod engine;
 mod exchange;
 pub(crate) mod faces;
@@ -34,6 +35,7 @@ use self::{
     pressure::{Prediction, Projection},
     stages::History,
     survey::Survey,
+    trace::Tracer,
     viscous::Viscous,
 };
 use crate::{
@@ -41,7 +43,10 @@ use crate::{
     mask::Mask,
     pool::Pool,
     simd::SimdClass,
-    solver::{Refused, Setup, SetupError, Solver, StepReport, VectorField, VisitVelocity, within},
+    solver::{
+        Refused, Scheme, Setup, SetupError, Solver, StepReport, VectorField, VisitVelocity,
+        not_negative, within,
+    },
 };
 
 /// No velocity is accepted or kept above this.
@@ -49,11 +54,6 @@ const MAX_SPEED_M_S: f32 = 1e4;
 
 /// No acceleration is accepted above this.
 const MAX_ACCELERATION_M_S2: f64 = 1e6;
-
-fn not_negative(what: &'static str, value: f32) -> Result<f64, Refused> {
-    let value = f64::from(value);
-    if value < 0.0 { Err(Refused { what, value }) } else { within(what, value, 1e6) }
-}
 
 /// Incompressible flow in a vessel.
 pub struct Flow {
@@ -85,6 +85,8 @@ pub struct Flow {
     survey: Option<Survey>,
     /// Energy that the scheme has made from nothing so far, per density and cell volume.
     excess_m2_s2: f64,
+    /// The scheme that steps are to take, if not the one that suits them.
+    forced: Option<Scheme>,
     /// Off only to prove that skipping changes no bits.
     may_sleep: bool,
 }
@@ -130,6 +132,7 @@ impl Flow {
             force_scale: [1.0; 2],
             survey: None,
             excess_m2_s2: 0.0,
+            forced: None,
             may_sleep: true,
             layout,
             faces,
@@ -137,6 +140,21 @@ impl Flow {
         };
         flow.ghosts.fill(&mut flow.velocity, Fill::Projected);
         Ok(flow)
+    }
+
+    /// Liquid at rest that moves by one scheme only. Beyond the scheme's bounds a step is cut into
+    /// more parts; only one that would take more than 10 000 goes by the scheme that suits it, as
+    /// its report says.
+    ///
+    /// # Errors
+    /// As [`Flow::new`], and [`SetupError::Unsupported`] if there is no such way to move.
+    pub fn with_scheme(setup: &Setup, scheme: Scheme) -> Result<Self, SetupError> {
+        match scheme {
+            Scheme::Rest | Scheme::Founding => {
+                Err(SetupError::Unsupported("no flow moves by the schemes rest and founding"))
+            }
+            _ => Ok(Self { forced: Some(scheme), ..Self::new(setup)? }),
+        }
     }
 
     /// The grid that the flow is computed on.
@@ -358,8 +376,8 @@ impl Solver for Flow {
     }
 
     fn velocity_at(&self, point_in_world_m: Vec3) -> Vec3 {
-        let velocity = components(&self.velocity);
-        trace::velocity_at(&self.layout, velocity, self.in_cells(point_in_world_m))
+        let tracer = Tracer::new(&self.layout, &self.ghosts);
+        tracer.velocity_at(components(&self.velocity), self.in_cells(point_in_world_m))
     }
 
     fn kinetic_energy_j(&self) -> f64 {

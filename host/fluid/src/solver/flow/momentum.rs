@@ -51,6 +51,13 @@ pub struct Multistep {
     pub old_s: f32,
 }
 
+impl Multistep {
+    /// When in the part its force is taken: a part without history takes that of its middle.
+    pub fn force_at(&self) -> f64 {
+        if self.old_s == 0.0 { 0.5 } else { 0.0 }
+    }
+}
+
 /// `out = start_share * start + own_share * (velocity + dt * (rate - grad p))`.
 #[derive(Clone, Copy)]
 pub struct RungeKutta<'a> {

@@ -37,6 +37,9 @@ const EXPLICIT_COST: f64 = 0.8;
 /// Beyond this number of parts the flow is traced back instead.
 const MAX_PARTS: f64 = 16.0;
 
+/// A scheme that is forced may take this many parts: more would not end in a lifetime.
+const MAX_FORCED_PARTS: f64 = 1e4;
+
 /// How to compute a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
@@ -48,12 +51,41 @@ pub struct Plan {
     pub trend_share: f32,
 }
 
-/// Plans a step that crosses `cfl` cells and has diffusion number `viscous` = 12 nu dt / h^2.
-pub fn plan(cfl: f64, viscous: f64) -> Plan {
+impl Plan {
+    fn new(scheme: Scheme, parts: f64, cfl: f64) -> Self {
+        let trend_share = match scheme {
+            Scheme::Central => (TREND_CFL * parts / cfl.max(TREND_CFL)).min(1.0).powi(2) as f32,
+            _ => 0.0,
+        };
+        Self { scheme, parts: parts as u32, trend_share }
+    }
+}
+
+/// Plans a step that crosses `cfl` cells and has diffusion number `viscous` = 12 nu dt / h^2, by
+/// the forced scheme if there is one and [`MAX_FORCED_PARTS`] are enough for it.
+pub fn plan(cfl: f64, viscous: f64, forced: Option<Scheme>) -> Plan {
+    let forced = forced.and_then(|scheme| plan_forced(cfl, viscous, scheme));
+    forced.unwrap_or_else(|| plan_freely(cfl, viscous))
+}
+
+/// As many parts as keep the scheme within its bounds. What Adams and Bashforth's waves grow by
+/// is left to the energy guard.
+fn plan_forced(cfl: f64, viscous: f64, scheme: Scheme) -> Option<Plan> {
+    let parts = match scheme {
+        Scheme::Multistep => (cfl / MULTISTEP_CFL).max(viscous / MULTISTEP_VISCOUS),
+        Scheme::Central => (cfl / CENTRAL_CFL).max(viscous / EXPLICIT_VISCOUS),
+        Scheme::MultistepImplicit => cfl / IMPLICIT_CFL,
+        Scheme::Rest | Scheme::Traced | Scheme::Founding => 1.0,
+    };
+    let parts = parts.ceil().max(1.0);
+    (parts <= MAX_FORCED_PARTS).then(|| Plan::new(scheme, parts, cfl))
+}
+
+fn plan_freely(cfl: f64, viscous: f64) -> Plan {
     let growth = cfl.powi(4) / 4.0;
     let is_damped = growth <= MULTISTEP_GROWTH.max(viscous / 12.0);
     if cfl <= MULTISTEP_CFL && viscous <= MULTISTEP_VISCOUS && is_damped {
-        return Plan { scheme: Scheme::Multistep, parts: 1, trend_share: 0.0 };
+        return Plan::new(Scheme::Multistep, 1.0, cfl);
     }
     let needed = |load: f64, bound: f64| (load / bound).ceil().max(1.0);
     let explicit = needed(cfl, CENTRAL_CFL).max(needed(viscous, EXPLICIT_VISCOUS));
@@ -67,11 +99,7 @@ pub fn plan(cfl: f64, viscous: f64) -> Plan {
     } else {
         (Scheme::Traced, 1.0)
     };
-    let trend_share = match scheme {
-        Scheme::Central => (TREND_CFL * parts / cfl.max(TREND_CFL)).min(1.0).powi(2) as f32,
-        _ => 0.0,
-    };
-    Plan { scheme, parts: parts as u32, trend_share }
+    Plan::new(scheme, parts, cfl)
 }
 
 #[cfg(test)]
@@ -81,7 +109,10 @@ mod tests {
 
     #[test]
     fn slow_thin_flow_takes_one_part_and_a_jerk_is_traced() {
-        let of = |cfl, viscous| (plan(cfl, viscous).scheme, plan(cfl, viscous).parts);
+        let of = |cfl, viscous| {
+            let plan = plan(cfl, viscous, None);
+            (plan.scheme, plan.parts)
+        };
         assert_eq!(of(0.0, 0.0), (Scheme::Multistep, 1));
         assert_eq!(of(0.3, 0.1), (Scheme::Multistep, 1));
         assert_eq!(of(0.3, 0.0), (Scheme::Central, 1));
@@ -92,17 +123,33 @@ mod tests {
     }
 
     #[test]
+    fn a_forced_scheme_takes_the_parts_it_needs_unless_they_never_end() {
+        let of = |cfl, viscous, scheme| {
+            let plan = plan(cfl, viscous, Some(scheme));
+            (plan.scheme, plan.parts)
+        };
+        assert_eq!(of(0.3, 0.0, Scheme::Multistep), (Scheme::Multistep, 1));
+        assert_eq!(of(3.5, 0.0, Scheme::Multistep), (Scheme::Multistep, 10));
+        assert_eq!(of(0.1, 8.0, Scheme::Multistep), (Scheme::Multistep, 10));
+        assert_eq!(of(0.1, 22.0, Scheme::Central), (Scheme::Central, 10));
+        assert_eq!(of(5.0, 1e9, Scheme::MultistepImplicit), (Scheme::MultistepImplicit, 10));
+        assert_eq!(of(0.1, 0.0, Scheme::Traced), (Scheme::Traced, 1));
+        assert_eq!(of(0.1, 1e9, Scheme::Central), (Scheme::MultistepImplicit, 1));
+        assert_eq!(of(1e9, 0.0, Scheme::Multistep), (Scheme::Traced, 1));
+    }
+
+    #[test]
     fn the_trend_of_the_pressure_is_followed_in_small_steps_only() {
-        assert_eq!(plan(0.1, 0.0).trend_share, 1.0);
-        assert_eq!(plan(0.5, 0.0).trend_share, 1.0);
-        assert_eq!(plan(1.0, 0.0).trend_share, 0.25);
-        assert_eq!(plan(2.0, 0.0).trend_share, 0.25);
+        assert_eq!(plan(0.1, 0.0, None).trend_share, 1.0);
+        assert_eq!(plan(0.5, 0.0, None).trend_share, 1.0);
+        assert_eq!(plan(1.0, 0.0, None).trend_share, 0.25);
+        assert_eq!(plan(2.0, 0.0, None).trend_share, 0.25);
     }
 
     proptest! {
         #[test]
         fn explicit_parts_are_within_their_bounds(cfl in 0.0..1e6f64, viscous in 0.0..1e6f64) {
-            let plan = plan(cfl, viscous);
+            let plan = plan(cfl, viscous, None);
             let parts = f64::from(plan.parts);
             prop_assert!((1.0..=MAX_PARTS).contains(&parts));
             prop_assert!(plan.scheme == Scheme::Traced || cfl / parts <= CENTRAL_CFL);

@@ -93,7 +93,7 @@ impl Flow {
     pub(super) fn extrapolate(&mut self, part: Part) {
         self.pressure_dt_s = 0.0;
         let advance = self.multistep(part, true);
-        let terms = self.terms(part, 0.0, true);
+        let terms = self.terms(part, advance.force_at(), true);
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
         let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
@@ -125,7 +125,7 @@ impl Flow {
             self.forget_pressure();
         }
         let rates = self.multistep(part, false);
-        let terms = self.terms(part, 0.0, false);
+        let terms = self.terms(part, rates.force_at(), false);
         let number = self.diffusion_number(part.dt_s);
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
         let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));

@@ -4,13 +4,14 @@ use crate::solver::{
     Refused, Scheme, StepReport,
     flow::{
         Flow, MAX_SPEED_M_S,
+        carry::Carriage,
         engine::Engine,
         field::components,
         ghosts::Fill,
         pressure::Projected,
         schedule::{Plan, plan},
         survey::Survey,
-        trace, within,
+        within,
     },
 };
 
@@ -35,11 +36,17 @@ impl Part {
     }
 }
 
+/// Accepts the length of a step.
+pub(super) fn check_step(dt_s: f64) -> Result<(), Refused> {
+    within("dt_s", if dt_s < 0.0 { f64::NAN } else { dt_s }, MAX_STEP_S)
+        .map(|_| ())
+        .map_err(|refused| Refused { value: dt_s, ..refused })
+}
+
 impl Flow {
     /// See [`crate::solver::Solver::step`].
     pub(super) fn advance(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
-        within("dt_s", if dt_s < 0.0 { f64::NAN } else { dt_s }, MAX_STEP_S)
-            .map_err(|refused| Refused { value: dt_s, ..refused })?;
+        check_step(dt_s)?;
         let before = self.surveyed();
         if dt_s == 0.0 || (self.may_sleep && before.speed_m_s == 0.0 && !self.is_forced()) {
             self.survey = Some(before);
@@ -62,7 +69,9 @@ impl Flow {
 
     fn advance_part(&mut self, part: Part, scheme: Scheme, report: &mut StepReport) -> Survey {
         match scheme {
-            Scheme::Traced => self.carry(part, report),
+            Scheme::Traced => {
+                self.carry(Carriage::Reflection, part.dt_s, part.force_scale, report);
+            }
             Scheme::Multistep => self.extrapolate(part),
             Scheme::MultistepImplicit => report.viscous_iterations += self.relax(part),
             _ => {
@@ -84,7 +93,7 @@ impl Flow {
         let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale);
         let speed_m_s = before.speed_m_s.max(self.side_speed_m_s) + pull * dt_s;
         let cfl = speed_m_s * dt_s / spacing_m;
-        plan(cfl, 12.0 * self.diffusion_number(dt_s))
+        plan(cfl, 12.0 * self.diffusion_number(dt_s), self.forced)
     }
 
     fn part(&self, dt_s: f64, plan: Plan, index: u32) -> Part {
@@ -104,28 +113,6 @@ impl Flow {
         self.viscosity_m2_s * dt_s / f64::from(self.grid.spacing_m).powi(2)
     }
 
-    /// The traced scheme: push, project, carry the velocity along itself.
-    fn carry(&mut self, part: Part, report: &mut StepReport) {
-        self.pressure_dt_s = 0.0;
-        self.history = None;
-        let push_s = (part.dt_s * part.scale_at(0.5)) as f32;
-        if let Some(force) = &self.force {
-            for (u, f) in self.velocity.iter_mut().zip(&force.acceleration_m_s2) {
-                let pairs = u.iter_mut().zip(f.iter());
-                pairs
-                    .for_each(|(u, f)| *u = (*u + push_s * f).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S));
-            }
-            self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
-        }
-        report.pressure_iterations += self.clear_divergence().iterations;
-        let Self { layout, faces, ghosts, velocity, stage: [once, out], pool, simd, .. } = self;
-        let on = Engine { pool, simd: *simd, faces };
-        let cells_per_m_s = (part.dt_s / f64::from(self.grid.spacing_m)) as f32;
-        trace::advect(on, layout, ghosts, velocity, once, out, cells_per_m_s);
-        std::mem::swap(velocity, out);
-        report.viscous_iterations += self.diffuse(part.dt_s);
-    }
-
     pub(super) fn clear_divergence(&mut self) -> Projected {
         let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
         let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
@@ -143,8 +130,9 @@ impl Flow {
         dt_s: f64,
         report: &mut StepReport,
     ) -> Survey {
-        let [start, end] = self.force_scale;
-        let work = 0.5 * dt_s * (start * before.power_m2_s3 + end * after.power_m2_s3);
+        // As u'^2 - u^2 = (u' + u)(u' - u): exact, however the force changes meanwhile.
+        let push_s = 0.5 * dt_s * (self.force_scale[0] + self.force_scale[1]);
+        let work = 0.5 * push_s * (before.power_m2_s3 + after.power_m2_s3);
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
         self.excess_m2_s2 = if self.is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
         let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());
