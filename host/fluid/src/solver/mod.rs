@@ -147,8 +147,8 @@ pub enum Scheme {
     Multistep,
     /// The same fluxes in three stages (Runge, Kutta).
     Central,
-    /// The same in three stages, with viscosity implicit.
-    CentralImplicit,
+    /// The same fluxes extrapolated from the last step, with viscosity implicit.
+    MultistepImplicit,
     /// Traced back along the flow: for steps across many cells.
     Traced,
     /// The founding thesis's own.

@@ -117,6 +117,8 @@ impl Ghosts {
         let along_y = Line { start: 0, step: row, len: ny + 2 };
         let values = (k + 1) * (ny + 2);
         self.fill_axis(0, c, plane, nx, (1, 1), along_y, values, fill);
+        // A run is rounded up to whole blocks: what it made of the rest must not feed on itself.
+        plane[row * (ny + 2)..].fill(0.0);
     }
 
     /// Fills the planes beyond z of component `c`; all others are to be filled before.
@@ -211,6 +213,10 @@ impl Ghosts {
     ) {
         let line = |index: usize| along.from(first + index * stride);
         let below = along.from(first - stride);
+        if c == axis && !self.is_periodic(axis) {
+            // No kernel needs the face beyond the lower side, but all compute it.
+            set(array, below, 0.0);
+        }
         for (end, rule) in self.rules[axis].iter().enumerate() {
             let inner = line([0, n - 1][end]);
             let ghost = [below, line(n)][end];

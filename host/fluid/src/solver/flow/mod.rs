@@ -13,6 +13,7 @@ mod momentum;
 mod poisson;
 mod pressure;
 mod schedule;
+mod stages;
 mod step;
 mod survey;
 mod trace;
@@ -31,7 +32,9 @@ use self::{
     field::{FaceRuns, Field, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
     pressure::{Prediction, Projection},
+    stages::History,
     survey::Survey,
+    viscous::Viscous,
 };
 use crate::{
     grid::Grid,
@@ -85,10 +88,9 @@ pub struct Flow {
     velocity: Vector,
     /// Two stages of a step; of a multistep one, the result and the rates of the last.
     stage: [Vector; 2],
-    /// Length of the step that left the rates; 0 if there are none.
-    history_dt_s: f64,
-    /// Work space of the viscous solve.
-    krylov: Vector,
+    /// What the rates are good for; `None` if there are none.
+    history: Option<History>,
+    viscous: Viscous,
     pressure: Prediction,
     /// Length of the part of a step that left it; 0 if it predicts nothing.
     pressure_dt_s: f64,
@@ -137,8 +139,8 @@ impl Flow {
             simd: setup.simd,
             velocity: vector(),
             stage: [vector(), vector()],
-            history_dt_s: 0.0,
-            krylov: vector(),
+            history: None,
+            viscous: Viscous::new(&layout, &faces),
             pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
             projection: Projection::new(&layout, &faces, &ghosts),
@@ -326,7 +328,7 @@ impl Solver for Flow {
         self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
         self.excess_m2_s2 = 0.0;
         self.pressure_dt_s = 0.0;
-        self.history_dt_s = 0.0;
+        self.history = None;
         self.survey = None;
         Ok(())
     }

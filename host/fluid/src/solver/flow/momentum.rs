@@ -66,6 +66,34 @@ pub struct RungeKutta<'a> {
     pub dt_s: f32,
 }
 
+/// `change = new_s * rate + old_s * history + dt * (viscous rate - grad p)`, and the rate, which
+/// is to be without viscosity, becomes the history.
+#[derive(Clone, Copy)]
+pub struct Semi<'a> {
+    /// Weights of the rates.
+    pub rates: Multistep,
+    /// Pressure per density and spacing.
+    pub pressure: &'a [f32],
+    /// Length of the step.
+    pub dt_s: f32,
+    /// nu dt / h^2.
+    pub viscous: f32,
+}
+
+/// A run of a semi-implicit stage, with the rows of its history and its result.
+pub struct SemiRun<'a, 'b> {
+    /// What it reads.
+    pub stage: Stage<'a>,
+    /// How it advances.
+    pub advance: Semi<'a>,
+    /// Where.
+    pub run: Run,
+    /// The planes of the history, by component.
+    pub history: [&'b mut [f32]; 3],
+    /// The planes of the change.
+    pub out: [&'b mut [f32]; 3],
+}
+
 /// A run of a multistep stage, with the rows of its history and its result.
 pub struct MultistepRun<'a, 'b> {
     /// What it reads.
@@ -110,6 +138,41 @@ impl Kernel for MultistepRun<'_, '_> {
                     |i, rate| {
                         let start = A::mul_add(advance.old_s, history[i], here[i]);
                         out[i] = A::mul_add(advance.new_s, rate, start);
+                        history[i] = rate;
+                    },
+                );
+            }};
+        }
+        component!(0, gx, x);
+        component!(1, gy, y);
+        component!(2, gz, z);
+    }
+}
+
+impl Kernel for SemiRun<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) {
+        let Self { stage, advance, run: Run { at, to, len }, history, out } = self;
+        let ([gx, gy, gz], [x, y, z]) = (history, out);
+        let strides = stage.layout.strides();
+        macro_rules! component {
+            ($c:literal, $history:ident, $out:ident) => {{
+                let own = Star::new(&stage.layout, stage.velocity[$c], at, len);
+                let (history, out) = (cut_mut($history, to, len), cut_mut($out, to, len));
+                let above = cut(advance.pressure, at, len);
+                let below = cut(advance.pressure, at - strides[$c], len);
+                stage.rates::<$c, A>(
+                    at,
+                    len,
+                    #[inline(always)]
+                    |i, rate| {
+                        let lap = A::mul_add(-6.0, own.here[i], own.around(i));
+                        let push = advance.dt_s * (below[i] - above[i]);
+                        let change = A::mul_add(advance.viscous, lap, push);
+                        let change = A::mul_add(advance.rates.old_s, history[i], change);
+                        out[i] = A::mul_add(advance.rates.new_s, rate, change);
                         history[i] = rate;
                     },
                 );

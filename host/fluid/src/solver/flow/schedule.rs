@@ -27,8 +27,12 @@ const TREND_CFL: f64 = 0.5;
 /// ghosts of a side that sticks add a few per cent to the largest eigenvalue.
 const EXPLICIT_VISCOUS: f64 = 2.2;
 
-/// Parts up to which viscosity is explicit although the speed would allow for fewer.
-const EXPLICIT_PARTS: f64 = 2.0;
+/// Sum over axes of |u| dt / h of one multistep part whose viscosity is implicit: that is thick
+/// enough to damp what would grow.
+const IMPLICIT_CFL: f64 = 0.5;
+
+/// What one explicit part of three stages costs in the time of one implicit multistep part.
+const EXPLICIT_COST: f64 = 0.8;
 
 /// Beyond this number of parts the flow is traced back instead.
 const MAX_PARTS: f64 = 16.0;
@@ -51,14 +55,17 @@ pub fn plan(cfl: f64, viscous: f64) -> Plan {
     if cfl <= MULTISTEP_CFL && viscous <= MULTISTEP_VISCOUS && is_damped {
         return Plan { scheme: Scheme::Multistep, parts: 1, trend_share: 0.0 };
     }
-    let parts = (cfl / CENTRAL_CFL).ceil().max(1.0);
-    let parts_if_explicit = parts.max((viscous / EXPLICIT_VISCOUS).ceil());
-    let (scheme, parts) = if parts > MAX_PARTS {
-        (Scheme::Traced, 1.0)
-    } else if parts_if_explicit <= parts.max(EXPLICIT_PARTS) {
-        (Scheme::Central, parts_if_explicit)
+    let needed = |load: f64, bound: f64| (load / bound).ceil().max(1.0);
+    let explicit = needed(cfl, CENTRAL_CFL).max(needed(viscous, EXPLICIT_VISCOUS));
+    let implicit = needed(cfl, IMPLICIT_CFL);
+    let (scheme, parts) = if explicit <= MAX_PARTS && EXPLICIT_COST * explicit <= implicit {
+        (Scheme::Central, explicit)
+    } else if implicit <= MAX_PARTS && viscous > EXPLICIT_VISCOUS {
+        (Scheme::MultistepImplicit, implicit)
+    } else if explicit <= MAX_PARTS {
+        (Scheme::Central, explicit)
     } else {
-        (Scheme::CentralImplicit, parts)
+        (Scheme::Traced, 1.0)
     };
     let trend_share = match scheme {
         Scheme::Central => (TREND_CFL * parts / cfl.max(TREND_CFL)).min(1.0).powi(2) as f32,
@@ -79,8 +86,8 @@ mod tests {
         assert_eq!(of(0.3, 0.1), (Scheme::Multistep, 1));
         assert_eq!(of(0.3, 0.0), (Scheme::Central, 1));
         assert_eq!(of(1.5, 0.0), (Scheme::Central, 2));
-        assert_eq!(of(0.5, 4.0), (Scheme::Central, 2));
-        assert_eq!(of(0.5, 40.0), (Scheme::CentralImplicit, 1));
+        assert_eq!(of(0.9, 4.0), (Scheme::Central, 2));
+        assert_eq!(of(0.5, 40.0), (Scheme::MultistepImplicit, 1));
         assert_eq!(of(1000.0, 1e9), (Scheme::Traced, 1));
     }
 

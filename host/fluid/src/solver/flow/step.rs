@@ -5,15 +5,12 @@ use crate::solver::{
     flow::{
         Flow, MAX_SPEED_M_S,
         engine::Engine,
-        field::{Vector, components},
+        field::components,
         ghosts::Fill,
-        momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Stage, Terms},
-        pressure::{Prediction, Projected},
+        pressure::Projected,
         schedule::{Plan, plan},
         survey::Survey,
-        trace, viscous,
-        walls::hold,
-        within,
+        trace, within,
     },
 };
 
@@ -24,24 +21,16 @@ const MAX_STEP_S: f64 = 1e3;
 /// it: the error of the work integral and of f32 sums.
 const GUARD_SLACK: f64 = 1e-3;
 
-/// Ratios of the lengths of two parts between which the pressure of one predicts the other's.
-const PREDICTABLE: std::ops::RangeInclusive<f64> = 0.3..=3.0;
-
-/// Third-order strong-stability-preserving Runge-Kutta (Shu, Osher 1988): share of the start,
-/// share of the advanced stage, and when in the step the force of the stage is taken.
-const STAGES: [(f32, f32, f64); 3] =
-    [(0.0, 1.0, 0.0), (3.0 / 4.0, 1.0 / 4.0, 1.0), (1.0 / 3.0, 2.0 / 3.0, 0.5)];
-
 /// One part of a step.
 #[derive(Clone, Copy)]
-struct Part {
-    dt_s: f64,
+pub(super) struct Part {
+    pub(super) dt_s: f64,
     /// Scale of the force at its start and end.
     force_scale: [f64; 2],
 }
 
 impl Part {
-    fn scale_at(&self, share: f64) -> f64 {
+    pub(super) fn scale_at(&self, share: f64) -> f64 {
         self.force_scale[0] + share * (self.force_scale[1] - self.force_scale[0])
     }
 }
@@ -75,17 +64,15 @@ impl Flow {
         match scheme {
             Scheme::Traced => self.carry(part, report),
             Scheme::Multistep => self.extrapolate(part),
+            Scheme::MultistepImplicit => report.viscous_iterations += self.relax(part),
             _ => {
-                self.prepare_pressure(part, scheme);
-                self.run_stages(part, scheme == Scheme::Central);
-                if scheme == Scheme::CentralImplicit {
-                    report.viscous_iterations += self.diffuse(part.dt_s);
-                }
+                self.prepare_pressure(part);
+                self.run_stages(part);
             }
         }
         let Projected { iterations, survey } = self.clear_divergence();
         report.pressure_iterations += iterations;
-        if scheme != Scheme::Multistep && scheme != Scheme::Traced {
+        if matches!(scheme, Scheme::Central | Scheme::MultistepImplicit) {
             self.learn_pressure(part);
         }
         survey
@@ -113,120 +100,14 @@ impl Flow {
         is_pushed || self.side_speed_m_s > 0.0
     }
 
-    fn diffusion_number(&self, dt_s: f64) -> f64 {
+    pub(super) fn diffusion_number(&self, dt_s: f64) -> f64 {
         self.viscosity_m2_s * dt_s / f64::from(self.grid.spacing_m).powi(2)
-    }
-
-    /// The pressure of the last part predicts that of this one, unless it was that of a much
-    /// shorter or longer one: a push counts there as an acceleration over the part's length.
-    /// Without a prediction the part is rehearsed, and what it found of the pressure is kept.
-    fn prepare_pressure(&mut self, part: Part, scheme: Scheme) {
-        self.history_dt_s = 0.0;
-        let ratio = part.dt_s / std::mem::replace(&mut self.pressure_dt_s, part.dt_s);
-        if PREDICTABLE.contains(&ratio) {
-            return;
-        }
-        self.forget_pressure();
-        self.run_stages(part, scheme == Scheme::Central);
-        self.clear_divergence();
-        self.learn_pressure(part);
-        std::mem::swap(&mut self.velocity, &mut self.stage[0]);
-        let Prediction { next, trend, share } = &mut self.pressure;
-        next.iter_mut().zip(trend.iter()).for_each(|(p, t)| *p -= *share * t);
-        self.pressure.trend.fill(0.0);
-    }
-
-    fn forget_pressure(&mut self) {
-        self.pressure.next.fill(0.0);
-        self.pressure.trend.fill(0.0);
-    }
-
-    fn learn_pressure(&mut self, part: Part) {
-        let Self { faces, ghosts, pressure, pool, simd, projection, .. } = self;
-        let on = Engine { pool, simd: *simd, faces };
-        projection.learn(on, ghosts, pressure, (1.0 / part.dt_s) as f32);
-    }
-
-    /// The terms of a stage at `share` of the part.
-    fn terms(&self, part: Part, share: f64, with_viscosity: bool) -> Terms {
-        let spacing_m = f64::from(self.grid.spacing_m);
-        let viscosity_m2_s = if with_viscosity { self.viscosity_m2_s } else { 0.0 };
-        Terms {
-            advection_per_m: (-1.0 / (4.0 * spacing_m)) as f32,
-            viscous_per_s: (viscosity_m2_s / (spacing_m * spacing_m)) as f32,
-            force: part.scale_at(share) as f32,
-        }
-    }
-
-    /// Second-order Adams-Bashforth, for a step that may differ from the last: a first one has
-    /// no history and is Euler's.
-    fn extrapolate(&mut self, part: Part) {
-        self.pressure_dt_s = 0.0;
-        let last_dt_s = std::mem::replace(&mut self.history_dt_s, part.dt_s);
-        let ratio = if last_dt_s > 0.0 { (part.dt_s / last_dt_s).min(4.0) } else { 0.0 };
-        let advance = Multistep {
-            new_s: (part.dt_s * (1.0 + 0.5 * ratio)) as f32,
-            old_s: (-0.5 * part.dt_s * ratio) as f32,
-        };
-        let terms = self.terms(part, 0.0, true);
-        let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
-        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
-        let on = Engine { pool, simd: *simd, faces };
-        let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
-        let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
-        on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
-            let Some(run) = on.live_run(layout, k) else { return };
-            let (history, out) = ([&mut *gx, &mut *gy, &mut *gz], [&mut *x, &mut *y, &mut *z]);
-            on.simd.run(MultistepRun { stage, advance, run, history, out });
-            if !faces.is_box {
-                let rates = [gx, gy, gz];
-                hold(on, &stage, run, advance.new_s, [x, y, z], Some(rates));
-            }
-        });
-        ghosts.fill(out, Fill::Unprojected);
-        std::mem::swap(velocity, out);
-    }
-
-    fn run_stages(&mut self, part: Part, with_viscosity: bool) {
-        let terms = STAGES.map(|(.., at)| self.terms(part, at, with_viscosity));
-        let Self { layout, faces, ghosts, velocity, stage, pressure, pool, simd, .. } = self;
-        let [first, second] = stage;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
-        let on = Engine { pool, simd: *simd, faces };
-        for (index, (start_share, own_share, _)) in STAGES.into_iter().enumerate() {
-            let (from, to): (&Vector, &mut Vector) = match index {
-                0 => (velocity, &mut *first),
-                1 => (&*first, &mut *second),
-                _ => (&*second, &mut *first),
-            };
-            let (layout, velocity) = (*layout, components(velocity));
-            let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
-            let advance = RungeKutta {
-                start: velocity,
-                pressure: &pressure.next,
-                start_share,
-                own_share,
-                dt_s: part.dt_s as f32,
-            };
-            let outs = to.each_mut().map(|out| layout.planes(out));
-            on.pool.planes(outs, [layout.plane; 3], |k, mut out| {
-                let Some(run) = on.live_run(&layout, k) else { return };
-                let reborrowed = out.each_mut().map(|out| &mut **out);
-                on.simd.run(RungeKuttaRun { stage, advance, run, out: reborrowed });
-                if !faces.is_box {
-                    hold(on, &stage, run, own_share * advance.dt_s, out, None);
-                }
-            });
-            ghosts.fill(to, Fill::Unprojected);
-        }
-        std::mem::swap(velocity, first);
     }
 
     /// The traced scheme: push, project, carry the velocity along itself.
     fn carry(&mut self, part: Part, report: &mut StepReport) {
         self.pressure_dt_s = 0.0;
-        self.history_dt_s = 0.0;
+        self.history = None;
         let push_s = (part.dt_s * part.scale_at(0.5)) as f32;
         if let Some(force) = &self.force {
             for (u, f) in self.velocity.iter_mut().zip(&force.acceleration_m_s2) {
@@ -243,19 +124,6 @@ impl Flow {
         trace::advect(on, layout, ghosts, velocity, once, out, cells_per_m_s);
         std::mem::swap(velocity, out);
         report.viscous_iterations += self.diffuse(part.dt_s);
-    }
-
-    fn diffuse(&mut self, dt_s: f64) -> u32 {
-        let number = self.diffusion_number(dt_s) as f32;
-        if number == 0.0 {
-            return 0;
-        }
-        let Self { layout, faces, ghosts, velocity, stage, krylov, pool, simd, .. } = self;
-        let [residual, direction] = stage;
-        let on = Engine { pool, simd: *simd, faces };
-        let product = krylov;
-        let work = viscous::Work { residual, direction, product };
-        viscous::solve(on, layout, ghosts, velocity, work, number)
     }
 
     pub(super) fn clear_divergence(&mut self) -> Projected {
@@ -292,7 +160,7 @@ impl Flow {
         report.guard_actions += 1;
         self.excess_m2_s2 = 0.0;
         self.pressure_dt_s = 0.0;
-        self.history_dt_s = 0.0;
+        self.history = None;
         for u in self.velocity.iter_mut().flat_map(|u| u.iter_mut()) {
             *u *= scale as f32;
         }
@@ -306,7 +174,7 @@ impl Flow {
         if after.speed_m_s == 0.0 {
             self.forget_pressure();
             self.pressure_dt_s = 0.0;
-            self.history_dt_s = 0.0;
+            self.history = None;
         }
         self.survey = Some(after);
     }

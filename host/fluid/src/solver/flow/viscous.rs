@@ -1,76 +1,92 @@
 //! Implicit viscosity, for liquid too thick for explicit steps.
 //!
 //! ```text
-//! (1 + theta a D) u' = (1 - (1 - theta) a D) u,   a = nu dt / h^2,
-//! D u = weight u - sum over neighbours,   theta = max(1/2, 1 - 4 / (12 a))
+//! (1 + s D) change = rhs,   s = theta nu dt / h^2,   D u = weight u - sum over neighbours
 //! ```
-//! Crank-Nicolson while that damps the finest ripples well, towards backward Euler beyond: the
-//! right side never weighs D by more than 1/3. The matrix is symmetric and positive definite
-//! for any walls, so conjugate gradients (Hestenes, Stiefel 1952) solve it, for the three
-//! components at once.
+//! The right side is a whole step's change as the old velocity would have it: what is at rest
+//! or steady stays so, whatever the step. theta is 1/2 (Crank, Nicolson 1947) while that damps
+//! the finest ripples well, and goes to 1 (backward Euler) beyond: see [`implicit_share`]. The
+//! matrix is symmetric and positive definite for any walls, so conjugate gradients (Hestenes,
+//! Stiefel 1952) solve it, for the three components at once.
 
 use crate::solver::flow::{
     engine::Engine,
+    faces::Faces,
     field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut},
     ghosts::{Fill, Ghosts},
 };
 
-/// The residual falls to this part of the right side.
-const TOLERANCE: f64 = 1e-5;
+/// The residual falls to this part of the right side, which is a change ...
+const TOLERANCE: f64 = 1e-4;
+
+/// ... or to this part of the velocity, where f32 can tell no more.
+const SPEED_TOLERANCE: f64 = 1e-8;
 
 /// Iterations at most; a grid of 64 cells needs some 150 in the limit of infinite viscosity.
 const MAX_ITERATIONS: u32 = 200;
 
-/// Work space: residual, direction, and the matrix times it.
-pub struct Work<'a> {
-    /// Right side, then residual.
-    pub residual: &'a mut Vector,
-    /// Search direction.
-    pub direction: &'a mut Vector,
-    /// Matrix times direction.
-    pub product: &'a mut Vector,
+/// The share theta of a step's viscosity that acts on its end, for a = nu dt / h^2: the old
+/// velocity is never weighed by more than 1/3 against the sum of its neighbours.
+pub fn implicit_share(a: f64) -> f64 {
+    (1.0 - 4.0 / (12.0 * a)).max(0.5)
 }
 
-/// Replaces `velocity` by its solution for `a` = nu dt / h^2. Returns the iterations taken.
-pub fn solve(
-    on: Engine<'_>,
-    layout: &Layout,
-    ghosts: &Ghosts,
-    velocity: &mut Vector,
-    work: Work<'_>,
-    a: f32,
-) -> u32 {
-    let theta = (1.0 - 4.0 / (12.0 * a)).max(0.5);
-    let Work { residual, direction, product } = work;
-    // From the velocity itself, so that its ghosts say what the sides do and all that is added
-    // are differences: A u' = (1 - (1 - theta) a D) u, residual = that - A u = -a D u.
-    apply(on, layout, components(velocity), residual, [0.0, -a]);
-    for c in 0..3 {
-        direction[c].copy_from_slice(&residual[c]);
+/// Solves for the change of velocity on one grid.
+pub struct Viscous {
+    layout: Layout,
+    /// Search direction, and the matrix times it.
+    krylov: [Vector; 2],
+}
+
+impl Viscous {
+    /// For the liquid of `faces`.
+    pub fn new(layout: &Layout, _faces: &Faces) -> Self {
+        let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
+        Self { layout: *layout, krylov: [vector(), vector()] }
     }
-    ghosts.fill(direction, Fill::Difference);
-    let mut square = norm(on, layout, components(residual));
-    let small = norm(on, layout, components(velocity)).max(square) * TOLERANCE * TOLERANCE;
-    for iteration in 0..MAX_ITERATIONS {
-        if square <= small {
-            ghosts.fill(velocity, Fill::Unprojected);
-            return iteration;
-        }
-        let curvature = apply(on, layout, components(direction), product, [1.0, theta * a]);
-        if curvature <= 0.0 || !curvature.is_finite() {
-            ghosts.fill(velocity, Fill::Unprojected);
-            return iteration;
-        }
-        let alpha = (square / curvature) as f32;
-        combine(on, layout, 1.0, velocity, alpha, components(direction));
-        combine(on, layout, 1.0, residual, -alpha, components(product));
-        let square_next = norm(on, layout, components(residual));
-        let beta = (square_next / square) as f32;
-        combine(on, layout, beta, direction, 1.0, components(residual));
-        ghosts.fill(direction, Fill::Difference);
-        square = square_next;
+
+    /// rhs = -a D u, the change that viscosity alone would make of `velocity`, a = nu dt / h^2.
+    pub fn set_rhs(&self, on: Engine<'_>, velocity: &Vector, rhs: &mut Vector, a: f32) {
+        apply(on, &self.layout, components(velocity), rhs, [0.0, -a]);
     }
-    MAX_ITERATIONS
+
+    /// Adds the solution of (1 + s D) change = rhs to `velocity`, and fills its ghosts; `rhs` is
+    /// used up. Returns the number of iterations.
+    pub fn solve(
+        &mut self,
+        on: Engine<'_>,
+        ghosts: &Ghosts,
+        s: f32,
+        rhs: &mut Vector,
+        velocity: &mut Vector,
+    ) -> u32 {
+        let (layout, [direction, product], residual) = (&self.layout, &mut self.krylov, rhs);
+        let mut square = norm(on, layout, components(residual));
+        let speed_square = norm(on, layout, components(velocity));
+        let small =
+            (square * TOLERANCE * TOLERANCE).max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
+        for c in 0..3 {
+            direction[c].copy_from_slice(&residual[c]);
+        }
+        let mut iterations = 0;
+        while square > small && iterations < MAX_ITERATIONS {
+            ghosts.fill(direction, Fill::Difference);
+            let curvature = apply(on, layout, components(direction), product, [1.0, s]);
+            if curvature <= 0.0 || !curvature.is_finite() {
+                break;
+            }
+            let alpha = (square / curvature) as f32;
+            combine(on, layout, 1.0, velocity, alpha, components(direction));
+            combine(on, layout, 1.0, residual, -alpha, components(product));
+            let square_next = norm(on, layout, components(residual));
+            let beta = (square_next / square) as f32;
+            combine(on, layout, beta, direction, 1.0, components(residual));
+            square = square_next;
+            iterations += 1;
+        }
+        ghosts.fill(velocity, Fill::Unprojected);
+        iterations
+    }
 }
 
 /// out = own u + share D u; returns u . out.
@@ -118,7 +134,7 @@ fn apply_row<const C: usize>(
 
 fn norm(on: Engine<'_>, layout: &Layout, u: [&[f32]; 3]) -> f64 {
     on.pool.sum(layout.cells[2], |k| {
-        on.run(
+        on.rows(
             layout,
             k,
             #[inline(always)]

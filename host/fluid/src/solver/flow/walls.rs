@@ -3,40 +3,52 @@
 use crate::solver::flow::{
     engine::Engine,
     field::{Run, cut, cut_mut},
-    momentum::Stage,
 };
 
 /// Corrects a stage that was computed as if there were liquid everywhere: the viscous stencil
 /// of a face beside a wall has another weight than 6 (see [`super::faces::Faces::weight`]), and
-/// nothing passes a closed face. `share_s` is the weight of the rate in `out`; `rates`, if kept,
-/// are corrected as well.
-pub fn hold(
-    on: Engine<'_>,
-    stage: &Stage<'_>,
-    Run { at, to, len }: Run,
-    share_s: f32,
-    out: [&mut [f32]; 3],
-    mut rates: Option<[&mut [f32]; 3]>,
-) {
-    let per_s = stage.terms.viscous_per_s;
+/// nothing passes a closed face. `viscous` is the weight of the stencil in `out`.
+pub fn hold(on: Engine<'_>, velocity: [&[f32]; 3], run: Run, viscous: f32, out: [&mut [f32]; 3]) {
     for (c, out) in out.into_iter().enumerate() {
-        let out = cut_mut(out, to, len);
-        let open = cut(&on.faces.open[c], at, len);
-        let (weight, here) = (cut(&on.faces.weight[c], at, len), cut(stage.velocity[c], at, len));
-        let rate = rates.as_mut().map(|rates| cut_mut(rates[c], to, len));
-        on.simd.vectorize(
-            #[inline(always)]
-            || {
-                for i in 0..len {
-                    let missing = per_s * (6.0 - weight[i]) * here[i];
-                    out[i] = open[i] * (out[i] + share_s * missing);
-                }
-                if let Some(rate) = rate {
-                    for i in 0..len {
-                        rate[i] += per_s * (6.0 - weight[i]) * here[i];
-                    }
-                }
-            },
-        );
+        let out = cut_mut(out, run.to, run.len);
+        hold_component(on, c, velocity, run, viscous, out, true);
     }
+}
+
+/// The same for rates of change that are kept; closed faces are left as they are.
+pub fn hold_rates(
+    on: Engine<'_>,
+    velocity: [&[f32]; 3],
+    run: Run,
+    viscous_per_s: f32,
+    rates: [&mut [f32]; 3],
+) {
+    for (c, rates) in rates.into_iter().enumerate() {
+        let rates = cut_mut(rates, run.to, run.len);
+        hold_component(on, c, velocity, run, viscous_per_s, rates, false);
+    }
+}
+
+fn hold_component(
+    on: Engine<'_>,
+    c: usize,
+    velocity: [&[f32]; 3],
+    Run { at, len, .. }: Run,
+    viscous: f32,
+    out: &mut [f32],
+    closes: bool,
+) {
+    let (open, weight) = (cut(&on.faces.open[c], at, len), cut(&on.faces.weight[c], at, len));
+    let here = cut(velocity[c], at, len);
+    on.simd.vectorize(
+        #[inline(always)]
+        || {
+            for i in 0..out.len() {
+                out[i] += viscous * (6.0 - weight[i]) * here[i];
+            }
+            if closes {
+                out.iter_mut().zip(open).for_each(|(out, open)| *out *= open);
+            }
+        },
+    );
 }

@@ -1,0 +1,196 @@
+//! The schemes that a part of a step is computed with.
+
+use std::mem;
+
+use crate::solver::flow::{
+    Flow,
+    engine::Engine,
+    field::{Vector, components},
+    ghosts::Fill,
+    momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
+    pressure::Prediction,
+    step::Part,
+    viscous::implicit_share,
+    walls::{hold, hold_rates},
+};
+
+/// Ratios of the lengths of two parts between which the pressure of one predicts the other's.
+const PREDICTABLE: std::ops::RangeInclusive<f64> = 0.3..=3.0;
+
+/// Third-order strong-stability-preserving Runge-Kutta (Shu, Osher 1988): share of the start,
+/// share of the advanced stage, and when in the step the force of the stage is taken.
+const STAGES: [(f32, f32, f64); 3] =
+    [(0.0, 1.0, 0.0), (3.0 / 4.0, 1.0 / 4.0, 1.0), (1.0 / 3.0, 2.0 / 3.0, 0.5)];
+
+/// What the rates of the last part are good for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct History {
+    /// Length of the part that left them.
+    dt_s: f64,
+    /// True if viscosity is among them.
+    is_viscous: bool,
+}
+
+impl Flow {
+    /// The pressure of the last part predicts that of this one, unless it was that of a much
+    /// shorter or longer one: a push counts there as an acceleration over the part's length.
+    fn has_prediction(&mut self, part: Part) -> bool {
+        let ratio = part.dt_s / mem::replace(&mut self.pressure_dt_s, part.dt_s);
+        PREDICTABLE.contains(&ratio)
+    }
+
+    /// Without a prediction the part is rehearsed, and what it found of the pressure is kept.
+    pub(super) fn prepare_pressure(&mut self, part: Part) {
+        self.history = None;
+        if self.has_prediction(part) {
+            return;
+        }
+        self.forget_pressure();
+        self.run_stages(part);
+        self.clear_divergence();
+        self.learn_pressure(part);
+        mem::swap(&mut self.velocity, &mut self.stage[0]);
+        let Prediction { next, trend, share } = &mut self.pressure;
+        next.iter_mut().zip(trend.iter()).for_each(|(p, t)| *p -= *share * t);
+        self.pressure.trend.fill(0.0);
+    }
+
+    pub(super) fn forget_pressure(&mut self) {
+        self.pressure.next.fill(0.0);
+        self.pressure.trend.fill(0.0);
+    }
+
+    pub(super) fn learn_pressure(&mut self, part: Part) {
+        let Self { faces, ghosts, pressure, pool, simd, projection, .. } = self;
+        let on = Engine { pool, simd: *simd, faces };
+        projection.learn(on, ghosts, pressure, (1.0 / part.dt_s) as f32);
+    }
+
+    /// The terms of a stage at `share` of the part.
+    fn terms(&self, part: Part, share: f64, with_viscosity: bool) -> Terms {
+        let spacing_m = f64::from(self.grid.spacing_m);
+        let viscosity_m2_s = if with_viscosity { self.viscosity_m2_s } else { 0.0 };
+        Terms {
+            advection_per_m: (-1.0 / (4.0 * spacing_m)) as f32,
+            viscous_per_s: (viscosity_m2_s / (spacing_m * spacing_m)) as f32,
+            force: part.scale_at(share) as f32,
+        }
+    }
+
+    /// Second-order Adams-Bashforth weights for a part that may differ from the last: a first
+    /// one has no history and is Euler's.
+    fn multistep(&mut self, part: Part, is_viscous: bool) -> Multistep {
+        let history = self.history.replace(History { dt_s: part.dt_s, is_viscous });
+        let last = history.filter(|history| history.is_viscous == is_viscous);
+        let ratio = last.map_or(0.0, |last| (part.dt_s / last.dt_s).min(4.0));
+        Multistep {
+            new_s: (part.dt_s * (1.0 + 0.5 * ratio)) as f32,
+            old_s: (-0.5 * part.dt_s * ratio) as f32,
+        }
+    }
+
+    /// One multistep part, explicit throughout.
+    pub(super) fn extrapolate(&mut self, part: Part) {
+        self.pressure_dt_s = 0.0;
+        let advance = self.multistep(part, true);
+        let terms = self.terms(part, 0.0, true);
+        let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
+        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
+        let on = Engine { pool, simd: *simd, faces };
+        let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
+        let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
+        on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
+            let Some(run) = on.live_run(layout, k) else { return };
+            let (history, out) = ([&mut *gx, &mut *gy, &mut *gz], [&mut *x, &mut *y, &mut *z]);
+            on.simd.run(MultistepRun { stage, advance, run, history, out });
+            if !faces.is_box {
+                let per_s = terms.viscous_per_s;
+                hold(on, stage.velocity, run, advance.new_s * per_s, [x, y, z]);
+                hold_rates(on, stage.velocity, run, per_s, [gx, gy, gz]);
+            }
+        });
+        ghosts.fill(out, Fill::Unprojected);
+        mem::swap(velocity, out);
+    }
+
+    /// One multistep part with viscosity implicit (Van Kan 1986): what it changes is solved
+    /// for with the last pressure, which the projection then corrects. Returns the iterations.
+    pub(super) fn relax(&mut self, part: Part) -> u32 {
+        if !self.has_prediction(part) {
+            self.forget_pressure();
+        }
+        let rates = self.multistep(part, false);
+        let terms = self.terms(part, 0.0, false);
+        let number = self.diffusion_number(part.dt_s);
+        let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
+        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
+        let (dt_s, viscous) = (part.dt_s as f32, number as f32);
+        let advance = Semi { rates, pressure: &self.pressure.next, dt_s, viscous };
+        let on = Engine { pool, simd: *simd, faces };
+        let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
+        let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
+        on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
+            let Some(run) = on.live_run(layout, k) else { return };
+            let out = [&mut *x, &mut *y, &mut *z];
+            on.simd.run(SemiRun { stage, advance, run, history: [gx, gy, gz], out });
+            if !faces.is_box {
+                hold(on, stage.velocity, run, viscous, [x, y, z]);
+            }
+        });
+        ghosts.fill(out, Fill::Difference);
+        let s = (implicit_share(number) * number) as f32;
+        self.viscous.solve(on, ghosts, s, out, velocity)
+    }
+
+    /// Adds what viscosity alone does in `dt_s`. Returns the iterations.
+    pub(super) fn diffuse(&mut self, dt_s: f64) -> u32 {
+        let number = self.diffusion_number(dt_s);
+        if number == 0.0 {
+            return 0;
+        }
+        let Self { faces, ghosts, velocity, stage: [rhs, _], viscous, pool, simd, .. } = self;
+        let on = Engine { pool, simd: *simd, faces };
+        viscous.set_rhs(on, velocity, rhs, number as f32);
+        let s = (implicit_share(number) * number) as f32;
+        viscous.solve(on, ghosts, s, rhs, velocity)
+    }
+
+    /// One part in three stages, explicit throughout.
+    pub(super) fn run_stages(&mut self, part: Part) {
+        let terms = STAGES.map(|(.., at)| self.terms(part, at, true));
+        let Self { layout, faces, ghosts, velocity, stage, pressure, pool, simd, .. } = self;
+        let [first, second] = stage;
+        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let on = Engine { pool, simd: *simd, faces };
+        for (index, (start_share, own_share, _)) in STAGES.into_iter().enumerate() {
+            let (from, to): (&Vector, &mut Vector) = match index {
+                0 => (velocity, &mut *first),
+                1 => (&*first, &mut *second),
+                _ => (&*second, &mut *first),
+            };
+            let (layout, velocity) = (*layout, components(velocity));
+            let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
+            let advance = RungeKutta {
+                start: velocity,
+                pressure: &pressure.next,
+                start_share,
+                own_share,
+                dt_s: part.dt_s as f32,
+            };
+            let outs = to.each_mut().map(|out| layout.planes(out));
+            on.pool.planes(outs, [layout.plane; 3], |k, mut out| {
+                let Some(run) = on.live_run(&layout, k) else { return };
+                let reborrowed = out.each_mut().map(|out| &mut **out);
+                on.simd.run(RungeKuttaRun { stage, advance, run, out: reborrowed });
+                if !faces.is_box {
+                    let viscous = own_share * advance.dt_s * stage.terms.viscous_per_s;
+                    hold(on, stage.velocity, run, viscous, out);
+                }
+            });
+            ghosts.fill(to, Fill::Unprojected);
+        }
+        mem::swap(velocity, first);
+    }
+}
