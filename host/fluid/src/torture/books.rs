@@ -14,11 +14,12 @@ pub const ENERGY_SLACK: f64 = 2e-3;
 /// Mass of a substance that may be lost or made, as a part of what was poured.
 pub const MASS_SLACK: f64 = 1e-5;
 
-/// How far rounding may carry a fraction out of 0 to 1.
-pub const FRACTION_SLACK: f64 = 1e-6;
+/// How far rounding, and what a projection leaves of divergence, may carry a fraction out of 0
+/// to 1.
+pub const FRACTION_SLACK: f64 = 1e-5;
 
-/// No velocity may be above this: what the crate says it never keeps.
-pub const SPEED_CAP_M_S: f64 = 1e4;
+/// No velocity may be above this: what the crate says it never keeps, and its rounding.
+pub const SPEED_CAP_M_S: f64 = 1e4 * (1.0 + 1e-6);
 
 /// A grid of at most this many cells is inspected value by value at every step ...
 const SMALL_CELLS: usize = 1 << 15;
@@ -135,5 +136,49 @@ impl Books {
             self.check("not_finite", strange as f64, 0.0, at);
             self.check("fraction_outside", furthest, FRACTION_SLACK, at);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::{pool::Pool, simd::SimdClass, torture::draw::Case};
+
+    #[test]
+    fn what_is_made_from_nothing_is_found() {
+        let mut case = Case::of_seed(2);
+        case.set_cells([5, 4, 6], false);
+        let mut world =
+            World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
+        let mut books = Books::open(&world);
+        books.energy(&world, [1.0, 1.001], 0.0, 0);
+        books.energy(&world, [1.001, 1.001], 0.0, 1);
+        assert!(books.failures.is_empty());
+        books.energy(&world, [1.001, 1.0025], 0.0, 2);
+        assert!(books.failures["energy_excess"].contains("in step 2"), "{:?}", books.failures);
+        // What is poured beside the books was made from nothing.
+        world.substances.set_fraction(0, |_| 0.5).expect("in range");
+        books.mass(&world, 3);
+        assert!(books.failures.contains_key("mass_error"));
+        books.energy(&world, [1.0, f64::NAN], 0.0, 4);
+        assert!(books.failures.contains_key("not_finite"));
+        books.check("speed_m_s", f64::NAN, SPEED_CAP_M_S, 5);
+        assert!(books.failures.contains_key("speed_m_s") && books.worst["speed_m_s"].is_nan());
+    }
+
+    #[test]
+    fn a_force_may_give_what_it_gives_from_rest_and_no_more() {
+        let mut case = Case::of_seed(2);
+        case.set_cells([5, 4, 6], false);
+        let world =
+            World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
+        let mut books = Books::open(&world);
+        let from_rest_j = books.force_j_s2 * 0.01;
+        books.energy(&world, [0.0, from_rest_j], 0.1, 0);
+        assert!(books.failures.is_empty() && from_rest_j > 0.0);
+        books.energy(&world, [0.0, 1.01 * from_rest_j], 0.1, 1);
+        assert!(books.failures.contains_key("energy_excess"));
     }
 }
