@@ -214,14 +214,16 @@ impl<T: Transport> Host<T> {
 /// What the host asks for: the image's own ceilings.
 const CEILINGS: Ceilings = cauldron_firmware::presets::OMNI_LIKE.ceilings;
 
-/// The scene's vessel as the device holds it: shrunk by the probe, in device metres.
+/// The scene's vessel as the device holds it: shrunk by the probe, in device metres. The wire has
+/// planes and pots: a bowl is felt as a pot, and a vessel of another shape as the grid's box.
 fn vessel_of(scene: &Scene) -> cauldron_protocol::Vessel {
     let feel = &scene.feel;
     let map = &feel.world_from_device;
     let probe_m = scene.probe.radius_m;
     let walls = match scene.vessel {
-        Vessel::Box => box_walls(scene, probe_m),
-        Vessel::Pot { centre_in_world_m, radius_m } => {
+        Vessel::Box | Vessel::Cylinder { .. } | Vessel::Distance(_) => box_walls(scene, probe_m),
+        Vessel::Pot { centre_in_world_m, radius_m }
+        | Vessel::Bowl { centre_in_world_m, radius_m } => {
             let top_m = scene.grid.origin_in_world_m.y + scene.grid.extent_m().y;
             [Wall::Pot {
                 centre: map.point_in_device(centre_in_world_m.to_array()).map(Metres),

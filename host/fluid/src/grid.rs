@@ -48,6 +48,16 @@ impl Grid {
             + self.spacing_m * Vec3::new(i as f32 + 0.5, j as f32 + 0.5, k as f32 + 0.5)
     }
 
+    /// The corners of all cells in world metres, one more along each axis than there are cells,
+    /// x fastest, then y, then z.
+    pub fn corners(&self) -> impl Iterator<Item = Vec3> + use<> {
+        let (origin, spacing_m) = (self.origin_in_world_m, self.spacing_m);
+        let [nx, ny, nz] = self.cells;
+        let corner = move |i, j, k| origin + spacing_m * Vec3::new(i as f32, j as f32, k as f32);
+        (0..=nz)
+            .flat_map(move |k| (0..=ny).flat_map(move |j| (0..=nx).map(move |i| corner(i, j, k))))
+    }
+
     /// Edges of the whole box in metres.
     #[must_use]
     pub fn extent_m(&self) -> Vec3 {

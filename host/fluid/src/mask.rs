@@ -2,7 +2,10 @@
 
 use glam::Vec3;
 
-use crate::{grid::Grid, vessel::Vessel};
+use crate::{
+    grid::Grid,
+    vessel::{Vessel, cut::Cut},
+};
 
 /// The liquid cells of a vessel: those whose centre is inside of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +27,18 @@ impl Mask {
                 liquid.extend((0..nx).map(is_liquid));
             }
         }
+        Self::of(grid.cells, liquid)
+    }
+
+    /// The cells of `grid` that `cut` leaves any liquid in.
+    #[must_use]
+    pub fn of_cut(grid: &Grid, cut: &Cut) -> Self {
+        Self::of(grid.cells, cut.volume.iter().map(|volume| *volume > 0.0).collect())
+    }
+
+    fn of(cells: [usize; 3], liquid: Vec<bool>) -> Self {
         let liquid_cells = liquid.iter().filter(|is_liquid| **is_liquid).count();
-        Self { cells: grid.cells, liquid, liquid_cells }
+        Self { cells, liquid, liquid_cells }
     }
 
     /// Number of liquid cells.
@@ -97,5 +110,7 @@ mod tests {
         assert!((measured / exact - 1.0).abs() < 0.01, "{measured} {exact}");
         assert!(mask.holds(&grid, centre) && !mask.holds(&grid, Vec3::ZERO));
         assert!(!mask.holds(&grid, Vec3::splat(9.0)));
+        let cut = Mask::of_cut(&grid, &Cut::new(&grid, &pot));
+        assert!((cut.liquid_cells() as f32) > 1.02 * mask.liquid_cells() as f32, "cut cells too");
     }
 }

@@ -93,6 +93,36 @@ impl<const M: usize> Planes<M> {
     }
 }
 
+/// The values at the same place of every plane of an array: see [`Pool::columns`].
+pub struct Column<'a> {
+    all: &'a Planes<1>,
+    planes: usize,
+    first: usize,
+    width: usize,
+}
+
+impl Column<'_> {
+    /// Number of planes.
+    #[must_use]
+    #[inline(always)]
+    pub fn planes(&self) -> usize {
+        self.planes
+    }
+
+    /// The column's values in plane `k`.
+    #[inline(always)]
+    pub fn plane(&mut self, k: usize) -> &mut [f32] {
+        assert!(k < self.planes, "plane {k} of {}", self.planes);
+        #[allow(unsafe_code, reason = "columns are slices of raw parts")]
+        // SAFETY: plane k is within the array and the column within the plane (`columns` makes
+        // plane_len / width of them); no other column has its values, and `self` is borrowed.
+        unsafe {
+            let start = self.all.start[0].add(k * self.all.plane_len[0] + self.first);
+            std::slice::from_raw_parts_mut(start, self.width)
+        }
+    }
+}
+
 impl Pool {
     /// A pool of `threads` threads (at least 1: the caller). With `pinned`, each started thread
     /// is bound to a core of its own, the second core first: the caller is left where it is, since
@@ -189,28 +219,85 @@ impl Pool {
     ) -> Partial {
         let held = (0..M).map(|m| outs[m].len() / plane_len[m].max(1)).min();
         let count = planes.unwrap_or(usize::MAX).min(held.unwrap_or(planes.unwrap_or(0)));
-        let values = plane_len.first().copied().unwrap_or(1);
         let outs = Planes { start: outs.map(<[f32]>::as_mut_ptr), plane_len };
-        let is_small = count < 2 || (M > 0 && count * values < MIN_SHARED_VALUES);
+        let body = |_, k| {
+            #[allow(unsafe_code, reason = "planes are slices of raw parts")]
+            // SAFETY: `count` planes fit in every array, and `deal` gives k away once.
+            let planes = unsafe { outs.plane(k) };
+            body(k, planes)
+        };
+        self.deal(count, plane_len.first().copied(), body, combine)
+    }
+
+    /// As [`Pool::planes`], with work space of a thread's own: an equal share of `scratch`,
+    /// whose values are whatever the last plane has left there.
+    pub fn planes_with<const M: usize>(
+        &self,
+        scratch: &mut [f32],
+        outs: [&mut [f32]; M],
+        plane_len: [usize; M],
+        body: impl Fn(usize, [&mut [f32]; M], &mut [f32]) + Sync,
+    ) {
+        let count = (0..M).map(|m| outs[m].len() / plane_len[m].max(1)).min().unwrap_or(0);
+        let outs = Planes { start: outs.map(<[f32]>::as_mut_ptr), plane_len };
+        let share = scratch.len() / self.shared.threads;
+        let scratch = Planes { start: [scratch.as_mut_ptr()], plane_len: [share] };
+        let body = |part, k| {
+            #[allow(unsafe_code, reason = "planes are slices of raw parts")]
+            // SAFETY: `count` planes fit in every array, and `deal` gives k away once; a part
+            // is one thread, which works on one plane at a time, and all shares fit in scratch.
+            let (planes, [scratch]) = unsafe { (outs.plane(k), scratch.plane(part)) };
+            body(k, planes, scratch);
+            [0.0; 4]
+        };
+        self.deal(count, plane_len.first().copied(), body, |total, _| total);
+    }
+
+    /// Cuts all planes of `array` (of `plane_len` values each) across into columns of `width`
+    /// values, and calls `body(c, column)` for each; a remainder that fills no column, or no
+    /// plane, is left alone.
+    pub fn columns(
+        &self,
+        array: &mut [f32],
+        plane_len: usize,
+        width: usize,
+        body: impl Fn(usize, Column<'_>) + Sync,
+    ) {
+        let planes = array.len() / plane_len.max(1);
+        let all = Planes { start: [array.as_mut_ptr()], plane_len: [plane_len] };
+        let body = |_, column| {
+            let column = Column { all: &all, planes, first: column * width, width };
+            body(column.first / width, column);
+            [0.0; 4]
+        };
+        self.deal(plane_len / width, Some(planes * width), body, |total, _| total);
+    }
+
+    /// Calls `body(part, k)` once for each k of `count`, part being the thread; combines what
+    /// it returns from zeros in the order of k. `values` is the work in one k, if known.
+    fn deal(
+        &self,
+        count: usize,
+        values: Option<usize>,
+        body: impl Fn(usize, usize) -> Partial + Sync,
+        combine: impl Fn(Partial, Partial) -> Partial,
+    ) -> Partial {
+        let is_small = count < 2 || values.is_some_and(|v| count * v < MIN_SHARED_VALUES);
+        let values = values.unwrap_or(1);
         if self.shared.threads == 1 || is_small || count > MAX_PLANES || !self.take() {
             self.count_cells(0, count * values);
-            return (0..count).fold([0.0; 4], |total, k| {
-                #[allow(unsafe_code, reason = "planes are slices of raw parts")]
-                // SAFETY: `count` planes fit in every array; each is made once, and dropped.
-                let planes = unsafe { outs.plane(k) };
-                combine(total, body(k, planes))
-            });
+            return (0..count).fold([0.0; 4], |total, k| combine(total, body(0, k)));
         }
         let partials = &self.shared.partials;
         self.run(&|part| {
             let range = self.part_of(count, part);
             self.count_cells(part, range.len() * values);
             for k in range {
-                #[allow(unsafe_code, reason = "planes and partials are shared by index")]
-                // SAFETY: `count` planes fit in every array and in `partials`; `part_of` gives
-                // index k to this part only, and the pool is taken by this job.
+                #[allow(unsafe_code, reason = "partials are shared by index")]
+                // SAFETY: `count` fits in `partials`; `part_of` gives index k to this part
+                // only, and the pool is taken by this job.
                 unsafe {
-                    *partials[k].0.get() = body(k, outs.plane(k));
+                    *partials[k].0.get() = body(part, k);
                 }
             }
         });
@@ -324,78 +411,4 @@ fn wait_until(ready: impl Fn() -> bool) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn wavy(k: usize) -> f64 {
-        (k as f64 * 0.7).sin() * 10f64.powi((k % 7) as i32)
-    }
-
-    #[test]
-    fn sums_have_the_same_bits_for_any_number_of_threads() {
-        let alone = Pool::inline().sum(1000, wavy);
-        assert_eq!(alone, (0..1000).map(wavy).fold(0.0, |a, b| a + b));
-        for threads in [2, 3, 5] {
-            assert_eq!(Pool::new(threads, false).sum(1000, wavy).to_bits(), alone.to_bits());
-        }
-    }
-
-    #[test]
-    fn every_plane_is_written_once_and_the_rest_not_at_all() {
-        let pool = Pool::new(3, false);
-        let (mut a, mut b) = (vec![0f32; 64 * 128 + 5], vec![0f32; 64 * 2]);
-        let sum = pool.planes_sum([&mut a, &mut b], [128, 2], |k, [a, b]| {
-            a.iter_mut().for_each(|v| *v += k as f32 + 1.0);
-            b[1] = k as f32;
-            1.0
-        });
-        assert_eq!(sum, 64.0);
-        assert!((0..64).all(|k| a[k * 128..][..128].iter().all(|v| *v == k as f32 + 1.0)));
-        assert!((0..64).all(|k| b[2 * k] == 0.0 && b[2 * k + 1] == k as f32));
-        assert_eq!(a[64 * 128..], [0.0; 5]);
-    }
-
-    #[test]
-    fn the_second_of_two_threads_does_its_half() {
-        let pool = Pool::new(2, true);
-        let mut cells = vec![0f32; 64 * 64 * 64];
-        for _ in 0..10 {
-            pool.planes([&mut cells], [64 * 64], |_, [plane]| {
-                plane.iter_mut().for_each(|v| *v = 0.5 * *v + 1.0);
-            });
-        }
-        let done = pool.cells_done();
-        assert_eq!(done.iter().sum::<u64>(), 10 * 64 * 64 * 64);
-        assert!(done[1] * 10 >= 4 * done.iter().sum::<u64>(), "{done:?}");
-    }
-
-    #[test]
-    fn a_panic_arrives_at_the_caller_and_the_pool_lives_on() {
-        let pool = Pool::new(2, false);
-        for bad in [0, 99] {
-            let result = catch_unwind(AssertUnwindSafe(|| {
-                pool.sum(100, |k| if k == bad { panic!("plane {k}") } else { 1.0 })
-            }));
-            assert!(result.is_err());
-            assert_eq!(pool.sum(100, |_| 1.0), 100.0);
-        }
-    }
-
-    #[test]
-    fn nested_and_concurrent_calls_finish() {
-        let pool = Pool::new(2, false);
-        let nested = pool.sum(8, |_| pool.sum(8, |_| 1.0));
-        assert_eq!(nested, 64.0);
-        thread::scope(|scope| {
-            for _ in 0..4 {
-                scope.spawn(|| (0..200).for_each(|_| assert_eq!(pool.sum(50, |_| 1.0), 50.0)));
-            }
-        });
-    }
-
-    #[test]
-    fn max_is_of_all_planes() {
-        assert_eq!(Pool::new(2, false).max(100, |k| (50.0 - k as f64).abs()), 50.0);
-        assert_eq!(Pool::inline().max(0, |_| 1.0), 0.0);
-    }
-}
+mod tests;

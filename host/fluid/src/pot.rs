@@ -12,7 +12,7 @@ use crate::{
     scenes::{Scene, Start, Substance},
     simd::SimdClass,
     solver::{Setup, SetupError, Sides, Solver, flow::Flow},
-    substance::Substances,
+    substance::{Properties, Substances},
     surface::SpringSheet,
     vessel::Vessel,
 };
@@ -68,7 +68,7 @@ impl Pot {
             walls: liquid.walls,
             pool,
             simd,
-            ..Setup::new(scene.grid, scene.vessel)
+            ..Setup::new(scene.grid, scene.vessel.clone())
         });
         let mut flow = setup.as_ref().map(Flow::new).transpose()?;
         if let (Some(flow), Start::TaylorGreen(speed_m_s)) = (&mut flow, scene.start) {
@@ -81,13 +81,12 @@ impl Pot {
                 f64::from(liquid.viscosity_m2_s),
             )
         });
-        let diffusivities: Vec<f32> = scene.substances.iter().map(|s| s.diffusivity_m2_s).collect();
         Ok(Self {
             grid: scene.grid,
-            vessel: scene.vessel,
+            vessel: scene.vessel.clone(),
             liquid_colour: scene.liquid.map(|liquid| liquid.colour),
             palette: scene.substances.clone(),
-            substances: setup.map(|setup| Substances::new(&setup, &diffusivities)),
+            substances: setup.as_ref().map(|setup| pourable(scene, setup)),
             flow,
             surface: scene.surface.map(|s| SpringSheet::new(s, &scene.grid, &scene.vessel)),
             drag,
@@ -240,12 +239,20 @@ impl Pot {
         Snapshot {
             time_s: self.time_s,
             grid: self.grid,
-            vessel: self.vessel,
+            vessel: self.vessel.clone(),
             liquid_colour: self.liquid_colour,
             substances: self.palette.iter().enumerate().map(view).collect(),
             surface: self.surface.as_ref().map(SpringSheet::view),
         }
     }
+}
+
+/// The substances of a scene: as the liquid, each with its own diffusivity.
+fn pourable(scene: &Scene, setup: &Setup) -> Substances {
+    let like_liquid = Properties::of_liquid(setup);
+    let properties =
+        |s: &Substance| Properties { diffusivity_m2_s: s.diffusivity_m2_s, ..like_liquid };
+    Substances::new(setup, &scene.substances.iter().map(properties).collect::<Vec<_>>())
 }
 
 /// u = U (sin kx cos ly, -(k/l) cos kx sin ly, 0) with half a wave along each edge of the box.

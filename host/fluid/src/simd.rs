@@ -1,47 +1,10 @@
 //! One build, every machine: kernels are compiled for several vector widths and the
 //! widest that the processor has is called at run time.
 //!
-//! A kernel that is generic over its [`Arithmetic`] multiplies and adds in one rounding where the
-//! class can: AVX2 and AVX-512 do so in the same order and compute the same bits, the portable
-//! class rounds twice. Kernels that are mere closures compute the same bits in all classes. No
-//! sum is ever reordered.
+//! No sum is reordered, so that classes differ in their bits only where a kernel asks for
+//! [`SimdClass::multiply_add`], and 256 and 512 bits not even there.
 
 use std::fmt;
-
-/// How a kernel multiplies and adds.
-pub trait Arithmetic {
-    /// a b + c.
-    fn mul_add(a: f32, b: f32, c: f32) -> f32;
-}
-
-/// Rounds the product, then the sum.
-pub struct Plain;
-
-/// Rounds once; fast only where the processor has an instruction for it.
-pub struct Fused;
-
-impl Arithmetic for Plain {
-    #[inline(always)]
-    fn mul_add(a: f32, b: f32, c: f32) -> f32 {
-        a * b + c
-    }
-}
-
-impl Arithmetic for Fused {
-    #[inline(always)]
-    fn mul_add(a: f32, b: f32, c: f32) -> f32 {
-        a.mul_add(b, c)
-    }
-}
-
-/// A kernel that is compiled for each class with that class's arithmetic.
-pub trait Kernel {
-    /// What it returns.
-    type Output;
-
-    /// Runs it. To be `#[inline(always)]`, as its callees.
-    fn run<A: Arithmetic>(self) -> Self::Output;
-}
 
 /// The vector width that kernels run at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -63,11 +26,11 @@ impl SimdClass {
     pub fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-            let has_avx512 =
-                is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
-            if has_avx2 {
-                return if has_avx512 { Self::Avx512 } else { Self::Avx2 };
+            if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
+                return Self::Avx512;
+            }
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                return Self::Avx2;
             }
         }
         Self::Portable
@@ -90,20 +53,6 @@ impl SimdClass {
         Self::ALL.into_iter().find(|class| class.name() == name)
     }
 
-    /// Runs `kernel` compiled for this class with its arithmetic, or for the widest class the
-    /// processor has if that is narrower.
-    #[inline]
-    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        if self.min(Self::detect()) == Self::Portable {
-            kernel.run::<Plain>()
-        } else {
-            self.widen(
-                #[inline(always)]
-                || kernel.run::<Fused>(),
-            )
-        }
-    }
-
     /// Runs `kernel` compiled for this class, or for the widest class the processor has if
     /// that is narrower.
     ///
@@ -111,24 +60,34 @@ impl SimdClass {
     /// `class.vectorize(#[inline(always)] || ...)` and keep its callees `#[inline(always)]`.
     #[inline]
     pub fn vectorize<R>(self, kernel: impl FnOnce() -> R) -> R {
-        if self.min(Self::detect()) == Self::Portable { kernel() } else { self.widen(kernel) }
+        self.vectorize_as(
+            #[inline(always)]
+            |_| kernel(),
+        )
     }
 
-    /// For the wide classes, when the processor has been seen to have them.
+    /// As [`SimdClass::vectorize`], and tells the kernel the class that it is compiled for: a
+    /// constant there, so that a choice by class costs nothing.
     #[inline]
-    fn widen<R>(self, kernel: impl FnOnce() -> R) -> R {
+    pub fn vectorize_as<R>(self, kernel: impl FnOnce(Self) -> R) -> R {
         #[cfg(target_arch = "x86_64")]
         #[allow(unsafe_code, reason = "a function with target features is unsafe to call")]
-        if self.min(Self::detect()) == Self::Avx512 {
+        match self.min(Self::detect()) {
             // SAFETY: `detect` has just seen the features that the function is compiled with.
-            unsafe { with_avx512(kernel) }
-        } else {
-            // SAFETY: both callers have seen with `detect` that this is a wide class, and any
-            // that is has these features.
-            unsafe { with_avx2(kernel) }
+            Self::Avx512 => unsafe { with_avx512(kernel) },
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { with_avx2(kernel) },
+            Self::Portable => kernel(Self::Portable),
         }
         #[cfg(not(target_arch = "x86_64"))]
-        kernel()
+        kernel(Self::Portable)
+    }
+
+    /// a b + c: rounded once where [`SimdClass::vectorize_as`] says that the processor can.
+    #[inline(always)]
+    #[must_use]
+    pub fn multiply_add(self, a: f32, b: f32, c: f32) -> f32 {
+        if self == Self::Portable { a * b + c } else { a.mul_add(b, c) }
     }
 }
 
@@ -139,15 +98,15 @@ impl fmt::Display for SimdClass {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-fn with_avx512<R>(kernel: impl FnOnce() -> R) -> R {
-    kernel()
+#[target_feature(enable = "avx512f,avx512vl")]
+fn with_avx512<R>(kernel: impl FnOnce(SimdClass) -> R) -> R {
+    kernel(SimdClass::Avx512)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn with_avx2<R>(kernel: impl FnOnce() -> R) -> R {
-    kernel()
+fn with_avx2<R>(kernel: impl FnOnce(SimdClass) -> R) -> R {
+    kernel(SimdClass::Avx2)
 }
 
 #[cfg(test)]
@@ -163,25 +122,21 @@ mod tests {
     }
 
     #[test]
-    fn a_kernel_rounds_once_in_both_wide_classes_and_twice_in_the_portable_one() {
-        struct Square(f32);
-        impl Kernel for Square {
-            type Output = f32;
-            #[inline(always)]
-            fn run<A: Arithmetic>(self) -> f32 {
-                A::mul_add(self.0, self.0, -1.0 - 2.0 * f32::EPSILON)
-            }
-        }
-        let run = |class: SimdClass| class.run(Square(1.0 + f32::EPSILON));
-        assert_eq!(run(SimdClass::Portable), 0.0);
-        if SimdClass::detect() > SimdClass::Portable {
-            assert_eq!(run(SimdClass::Avx2), f32::EPSILON * f32::EPSILON);
-            assert_eq!(run(SimdClass::Avx2), run(SimdClass::Avx512));
+    fn products_and_sums_are_rounded_once_or_twice() {
+        let [a, b, c] = [1.0 + f32::EPSILON, 1.0 - f32::EPSILON, -1.0].map(std::hint::black_box);
+        for asked in SimdClass::ALL {
+            let (class, sum) = asked.vectorize_as(
+                #[inline(always)]
+                |class| (class, class.multiply_add(a, b, c)),
+            );
+            assert_eq!(class, asked.min(SimdClass::detect()));
+            let once = -f32::EPSILON * f32::EPSILON;
+            assert_eq!(sum, if class == SimdClass::Portable { 0.0 } else { once });
         }
     }
 
     #[test]
-    fn closures_compute_the_same_bits_in_all_classes() {
+    fn all_classes_compute_the_same_bits() {
         let x: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.37).sin()).collect();
         let run = |class: SimdClass| {
             let mut y = x.clone();

@@ -84,8 +84,11 @@ fn bounding_sphere(snapshot: &Snapshot) -> (Vec3, f32) {
     let grid = &snapshot.grid;
     let half_m = 0.5 * grid.extent_m();
     match snapshot.vessel {
-        Vessel::Box => (grid.origin_in_world_m + half_m, half_m.length()),
-        Vessel::Pot { centre_in_world_m, radius_m } => {
+        Vessel::Box | Vessel::Cylinder { .. } | Vessel::Distance(_) => {
+            (grid.origin_in_world_m + half_m, half_m.length())
+        }
+        Vessel::Pot { centre_in_world_m, radius_m }
+        | Vessel::Bowl { centre_in_world_m, radius_m } => {
             let top_m = grid.origin_in_world_m.y + 2.0 * half_m.y - centre_in_world_m.y;
             let half_height_m = 0.5 * (top_m + radius_m);
             let middle_m = centre_in_world_m + Vec3::Y * (half_height_m - radius_m);

@@ -19,13 +19,17 @@ pub(crate) enum Walls {
 }
 
 impl Walls {
-    /// The walls of `snapshot`, opened towards `eye_in_world_m`.
+    /// The walls of `snapshot`, opened towards `eye_in_world_m`. A bowl is drawn as a pot, and a
+    /// vessel of no round shape as the frame of its grid.
     pub(crate) fn new(snapshot: &Snapshot, eye_in_world_m: Vec3) -> Self {
         let low_in_world_m = snapshot.grid.origin_in_world_m;
         let extent_m = snapshot.grid.extent_m();
         match snapshot.vessel {
-            Vessel::Box => Self::Frame(Frame::new(low_in_world_m, extent_m)),
-            Vessel::Pot { centre_in_world_m, radius_m } => {
+            Vessel::Box | Vessel::Cylinder { .. } | Vessel::Distance(_) => {
+                Self::Frame(Frame::new(low_in_world_m, extent_m))
+            }
+            Vessel::Pot { centre_in_world_m, radius_m }
+            | Vessel::Bowl { centre_in_world_m, radius_m } => {
                 let liquid_in_world_m = low_in_world_m.y + extent_m.y;
                 Self::Pot(Pot::new(centre_in_world_m, radius_m, liquid_in_world_m, eye_in_world_m))
             }

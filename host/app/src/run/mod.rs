@@ -13,6 +13,7 @@ pub use output::Output;
 pub use record::Record;
 
 use cauldron_fluid::{
+    Vessel,
     pool::Pool,
     scenes::{self, Scene},
     simd::SimdClass,
@@ -81,6 +82,9 @@ fn scene(args: &RunArgs) -> Result<Scene, Failure> {
     if let Some(n) = args.grid {
         scene.regrid(usize::from(n));
         scene.check().map_err(|wrong| Failure::Input(format!("--grid {n}: {wrong}")))?;
+    }
+    if matches!(scene.vessel, Vessel::Cylinder { .. } | Vessel::Distance(_)) {
+        eprintln!("{}: the hand feels and sees the grid's box, not the vessel's wall", scene.name);
     }
     Ok(scene)
 }

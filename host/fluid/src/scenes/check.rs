@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use glam::Vec3;
+
 use super::{Act, Scene};
 use crate::{surface::SurfaceParams, vessel::Vessel};
 
@@ -78,19 +80,44 @@ impl Scene {
         }
         number("grid.spacing_m", self.grid.spacing_m, Bound::new(1e-4, 1.0))?;
         place("grid.origin_m", self.grid.origin_in_world_m)?;
-        if let Vessel::Pot { centre_in_world_m, radius_m } = self.vessel {
-            place("vessel.centre_m", centre_in_world_m)?;
-            let widest = 0.5 * self.grid.extent_m().max_element();
-            number("vessel.radius_m", radius_m, Bound::new(1e-3, widest))?;
-            let low = self.grid.origin_in_world_m;
-            let high = low + self.grid.extent_m();
-            let inside = centre_in_world_m.clamp(low, high) == centre_in_world_m;
-            if !inside {
-                let must = format!("must be in the grid's box, from {low} to {high}");
-                return Err(wrong("vessel.centre_m", &centre_in_world_m, must));
-            }
-        }
+        self.check_vessel()?;
         number("step_s", self.step_s, Bound::new(1e-3, 0.1))
+    }
+
+    fn check_vessel(&self) -> Result<(), Wrong> {
+        let (low, high) =
+            (self.grid.origin_in_world_m, self.grid.origin_in_world_m + self.grid.extent_m());
+        match self.vessel {
+            Vessel::Box => return Ok(()),
+            Vessel::Pot { centre_in_world_m, radius_m } => {
+                place("vessel.centre_m", centre_in_world_m)?;
+                let widest = 0.5 * self.grid.extent_m().max_element();
+                number("vessel.radius_m", radius_m, Bound::new(1e-3, widest))?;
+                let inside = centre_in_world_m.clamp(low, high) == centre_in_world_m;
+                if !inside {
+                    let must = format!("must be in the grid's box, from {low} to {high}");
+                    return Err(wrong("vessel.centre_m", &centre_in_world_m, must));
+                }
+                return Ok(());
+            }
+            Vessel::Bowl { centre_in_world_m, radius_m } => {
+                place("vessel.centre_m", centre_in_world_m)?;
+                number("vessel.radius_m", radius_m, Bound::new(1e-3, 100.0))?;
+            }
+            Vessel::Cylinder { centre_in_world_m, axis, radius_m } => {
+                place("vessel.centre_m", centre_in_world_m)?;
+                place("vessel.axis", axis)?;
+                number("vessel.axis", axis.length(), Bound::new(1e-3, 200.0))?;
+                number("vessel.radius_m", radius_m, Bound::new(1e-3, 100.0))?;
+            }
+            Vessel::Distance(_) => {}
+        }
+        let top = |at: &Vec3| at.y > high.y - 0.5 * self.grid.spacing_m;
+        if self.grid.corners().filter(top).all(|at| self.vessel.depth_inside_m(at) <= 0.0) {
+            let must = "must reach up to the rest surface, the top of the grid's box".to_string();
+            return Err(wrong("vessel", &format!("no liquid at y = {} m", high.y), must));
+        }
+        Ok(())
     }
 
     fn check_matter(&self) -> Result<(), Wrong> {
@@ -116,6 +143,7 @@ impl Scene {
         let room_m = match self.vessel {
             Vessel::Box => half_edge_m,
             Vessel::Pot { radius_m, .. } => radius_m.min(half_edge_m),
+            _ => self.vessel.greatest_depth_m(&self.grid).min(half_edge_m),
         };
         number("probe.radius_m", self.probe.radius_m, Bound::new(1e-4, 0.8 * room_m))?;
         number("feel.felt_scale", feel.felt_scale, Bound::new(1e-3, 1e3))?;
@@ -185,11 +213,11 @@ pub(super) fn number(key: &str, value: f32, bound: Bound) -> Result<(), Wrong> {
     if bound.holds(value) { Ok(()) } else { Err(wrong(key, &value, bound.to_string())) }
 }
 
-fn place(key: &str, at_m: glam::Vec3) -> Result<(), Wrong> {
+fn place(key: &str, at_m: Vec3) -> Result<(), Wrong> {
     at_m.to_array().into_iter().try_for_each(|x| number(key, x, Bound::new(-100.0, 100.0)))
 }
 
-fn colour(key: &str, rgb: glam::Vec3) -> Result<(), Wrong> {
+fn colour(key: &str, rgb: Vec3) -> Result<(), Wrong> {
     rgb.to_array().into_iter().try_for_each(|c| number(key, c, Bound::new(0.0, 1.0)))
 }
 

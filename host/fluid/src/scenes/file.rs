@@ -27,6 +27,21 @@
 //! pour = true
 //! ```
 //!
+//! The vessel is a `shape` (`box`, `pot`, `bowl` or `cylinder`, the latter with an `axis`), by
+//! default the base scene's, or a mesh (OBJ or glTF, in metres, y up; its path starts from the
+//! scene file):
+//!
+//! ```toml
+//! [vessel]
+//! mesh = "pot.glb"
+//! inside_m = [0.0, -0.05, 0.0]
+//! ```
+//!
+//! With `inside_m`, a point in the liquid, the mesh is the solid wall, as an open pot is modelled;
+//! without, it is the liquid's own shape. The liquid rests at the top of the grid's box, and the
+//! mesh has to reach up to it. The hand feels a bowl as a pot, and a cylinder and a mesh as the
+//! grid's box: the wire to the device has no other walls yet.
+//!
 //! An unknown key, a value of the wrong kind and one out of its range are refused with their
 //! line and key.
 
@@ -36,7 +51,7 @@ use toml::Spanned;
 
 use super::{
     INDEX, Scene, Wrong,
-    keys::{File, Lines, line_of},
+    keys::{File, Lines, Misfit, line_of},
 };
 
 /// Why there is no scene.
@@ -106,13 +121,19 @@ pub fn read(path: &str, text: &str) -> Result<Scene, SceneError> {
         scene.name =
             Path::new(path).file_stem().map_or("scene".into(), |s| s.to_string_lossy().into());
     }
+    let mesh = file.vessel.as_ref().and_then(|vessel| vessel.get_ref().mesh());
     let mut lines = Lines { text, seen: Vec::new() };
-    file.apply(&mut scene, &mut lines).map_err(|(span, wrong)| {
-        SceneError::Nonsense(path.into(), Some(line_of(text, span)), wrong)
-    })?;
-    scene
-        .check()
-        .map_err(|wrong| SceneError::Nonsense(path.into(), lines.line_of_key(&wrong.key), wrong))?;
+    let misfit =
+        |(span, wrong): Misfit| SceneError::Nonsense(path.into(), Some(line_of(text, span)), wrong);
+    file.apply(&mut scene, &mut lines).map_err(misfit)?;
+    let nonsense =
+        |wrong: Wrong| SceneError::Nonsense(path.into(), lines.line_of_key(&wrong.key), wrong);
+    scene.check().map_err(nonsense)?;
+    if let Some(mesh) = mesh {
+        let folder = Path::new(path).parent().unwrap_or(Path::new(""));
+        scene.vessel = mesh.load(folder, &scene.grid).map_err(misfit)?;
+        scene.check().map_err(nonsense)?;
+    }
     Ok(scene)
 }
 

@@ -1,12 +1,15 @@
 //! The keys of a scene file, and what each sets.
 
+mod vessel;
+
 use glam::Vec3;
 use serde::Deserialize;
 use std::ops::Range;
 use toml::Spanned;
 
 use super::{Act, Scene, Wrong};
-use crate::vessel::Vessel;
+
+use vessel::VesselKeys;
 
 /// The line, from 1, that a span of `text` begins in.
 pub(super) fn line_of(text: &str, span: Range<usize>) -> usize {
@@ -70,7 +73,7 @@ pub(super) struct File {
     step_s: Number,
     #[serde(default)]
     grid: GridKeys,
-    vessel: Option<Spanned<VesselKeys>>,
+    pub(super) vessel: Option<Spanned<VesselKeys>>,
     liquid: Option<Spanned<LiquidKeys>>,
     surface: Option<Spanned<SurfaceKeys>>,
     #[serde(default)]
@@ -89,13 +92,6 @@ struct GridKeys {
     cells: Option<Spanned<[i64; 3]>>,
     spacing_m: Number,
     origin_m: Triple,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct VesselKeys {
-    centre_m: Triple,
-    radius_m: Number,
 }
 
 #[derive(Deserialize)]
@@ -159,7 +155,7 @@ impl File {
         scene.about = self.about.unwrap_or(std::mem::take(&mut scene.about));
         lines.set("step_s", &mut scene.step_s, &self.step_s);
         self.grid.apply(scene, lines)?;
-        self.vessel.map_or(Ok(()), |v| apply_vessel(&v, scene, lines))?;
+        self.vessel.map_or(Ok(()), |v| vessel::apply(&v, scene, lines))?;
         self.liquid.map_or(Ok(()), |l| apply_liquid(&l, scene, lines))?;
         self.surface.map_or(Ok(()), |s| apply_surface(&s, scene, lines))?;
         lines.set("probe.radius_m", &mut scene.probe.radius_m, &self.probe.radius_m);
@@ -214,19 +210,6 @@ impl StoryKeys {
             scene.story.pours.clear();
         }
     }
-}
-
-fn apply_vessel(
-    keys: &Spanned<VesselKeys>,
-    scene: &mut Scene,
-    lines: &mut Lines<'_>,
-) -> Result<(), Misfit> {
-    let Vessel::Pot { centre_in_world_m, radius_m } = &mut scene.vessel else {
-        return Err(lacks(keys, "vessel", "pot"));
-    };
-    lines.set("vessel.centre_m", centre_in_world_m, &keys.get_ref().centre_m);
-    lines.set("vessel.radius_m", radius_m, &keys.get_ref().radius_m);
-    Ok(())
 }
 
 fn apply_liquid(

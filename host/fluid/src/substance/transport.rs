@@ -1,81 +1,40 @@
 //! Carrying one volume fraction with the flow: see the module above.
 
+use std::ops::Range;
+
+use super::{
+    cells::{Cells, Extent, SLAB, STORED},
+    sweep::{Rows, Sweep},
+};
 use crate::solver::flow::{
     engine::Engine,
-    field::{FaceRuns, Field, Largest, Layout, Run, Vector, components, cut, cut_mut},
+    field::{FaceRuns, Largest, Layout, Run, components},
 };
 
-/// What a cell may lose in one part, of what it holds, with the limiter ...
-const LIMITED_SHARE: f64 = 0.5;
+/// Sweeps of a part, alternating with the reverse order: what one order does to a profile the
+/// other undoes (Strang 1968). The one that starts across planes is a single pass.
+const ACROSS_FIRST: [usize; 3] = [2, 0, 1];
+const ACROSS_LAST: [usize; 3] = [1, 0, 2];
 
-/// ... and by plain upwind.
-const UPWIND_SHARE: f64 = 0.9;
-
-/// Beyond this number of limited parts the transport is plain upwind.
-const MAX_LIMITED_PARTS: f64 = 32.0;
-
-/// Beyond this number of upwind parts the substance lags behind the flow.
-const MAX_UPWIND_PARTS: f64 = 256.0;
-
-/// Less than this in a cell is nothing: the tail of a cloud would fade into subnormal numbers,
-/// which the processor computes a hundred times slower.
-const TRACE: f32 = 1e-12;
-
-/// How substances were carried through one step, best first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Carrying {
-    /// There was nothing to carry, or it did not move.
-    Nothing,
-    /// Third order, limited.
-    Limited,
-    /// First order: the step crossed very many cells.
-    Upwind,
-    /// First order and slower than the flow: the step crossed more cells than can be paid for.
-    Lagging,
+/// One part of a step of one substance.
+#[derive(Clone, Copy)]
+pub struct Part<'a> {
+    /// How the arrays lie.
+    pub layout: &'a Layout,
+    /// On the faces.
+    pub velocity: [&'a [f32]; 3],
+    /// dt / h of the part.
+    pub dt_per_spacing_s_m: f32,
+    /// No fraction exceeds this.
+    pub highest: f32,
+    /// Only the planes' extents are computed; off only to prove that it changes no bits.
+    pub may_skip: bool,
 }
 
-/// What a step of the substances did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TransportReport {
-    /// Parts that the step was cut into.
-    pub substeps: u32,
-    /// How it was computed.
-    pub carrying: Carrying,
-}
-
-/// How to carry one substance through a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
-    /// The scheme.
-    pub carrying: Carrying,
-    /// Number of equal parts.
-    pub parts: u32,
-    /// Part of the step's length that is carried: 1 unless the substance lags.
-    share: f64,
-    /// Diffusion number kappa dt / h^2 of the whole step.
-    spread: f64,
-}
-
-/// Plans a step in which a cell loses `courant` times what it holds to the flow, and has
-/// diffusion number `spread`.
-pub fn plan(courant: f64, spread: f64) -> Plan {
-    let loss = courant + 6.0 * spread;
-    let parts = |share: f64| (loss / share).ceil();
-    let with = |carrying, parts: f64, share| Plan { carrying, parts: parts as u32, share, spread };
-    if loss <= 0.0 {
-        with(Carrying::Nothing, 0.0, 1.0)
-    } else if parts(LIMITED_SHARE) <= MAX_LIMITED_PARTS {
-        with(Carrying::Limited, parts(LIMITED_SHARE), 1.0)
-    } else if parts(UPWIND_SHARE) <= MAX_UPWIND_PARTS {
-        with(Carrying::Upwind, parts(UPWIND_SHARE), 1.0)
-    } else {
-        let share = MAX_UPWIND_PARTS * UPWIND_SHARE / loss;
-        with(Carrying::Lagging, MAX_UPWIND_PARTS, share)
-    }
-}
-
-/// Largest sum of what leaves a cell, in m/s: times dt / h the part of its content it loses.
-pub fn largest_outflow(on: Engine<'_>, layout: &Layout, velocity: [&[f32]; 3]) -> f64 {
+/// Share of a cell's content that leaves it within a second and a metre of spacing, at most: the
+/// largest, over cells and sweeps of either order, of outflow and of volume lost, so that times
+/// dt / h it must not exceed 1. In m/s.
+pub fn largest_loss_m_s(on: Engine<'_>, layout: &Layout, velocity: [&[f32]; 3]) -> f64 {
     on.pool.max(layout.cells[2], |k| {
         let mut largest = Largest::default();
         on.run(
@@ -87,7 +46,10 @@ pub fn largest_outflow(on: Engine<'_>, layout: &Layout, velocity: [&[f32]; 3]) -
                 largest.raise(
                     len,
                     #[inline(always)]
-                    |i| leaving(x.0[i], x.1[i]) + leaving(y.0[i], y.1[i]) + leaving(z.0[i], z.1[i]),
+                    |i| {
+                        let [x, y, z] = [(x.0[i], x.1[i]), (y.0[i], y.1[i]), (z.0[i], z.1[i])];
+                        larger(worst_of(z, x, y), worst_of(y, x, z))
+                    },
                 );
             },
         );
@@ -95,205 +57,235 @@ pub fn largest_outflow(on: Engine<'_>, layout: &Layout, velocity: [&[f32]; 3]) -
     })
 }
 
+/// Worst loss of a cell that is swept along a, b and c; each is velocity below and above.
 #[inline(always)]
-fn leaving(below: f32, above: f32) -> f32 {
-    (if above > 0.0 { above } else { 0.0 }) - (if below < 0.0 { below } else { 0.0 })
+fn worst_of(a: (f32, f32), b: (f32, f32), c: (f32, f32)) -> f32 {
+    /// A cell is to keep at least a twentieth of its volume.
+    const RESERVE: f32 = 20.0 / 19.0;
+    let (shrinks, shrinks_more) = (a.1 - a.0, (a.1 - a.0) + (b.1 - b.0));
+    let leaves = larger(leaving(a), larger(leaving(b) + shrinks, leaving(c) + shrinks_more));
+    larger(leaves, RESERVE * larger(shrinks, shrinks_more))
 }
 
-/// Work space of the transport.
-pub struct Transport {
-    layout: Layout,
-    /// What passes each face, in units of its area.
-    flux: Vector,
-    stage: Field,
+#[inline(always)]
+fn leaving((below, above): (f32, f32)) -> f32 {
+    larger(above, 0.0) - if below < 0.0 { below } else { 0.0 }
 }
 
-/// One part of a step.
-#[derive(Clone, Copy)]
-struct Part {
-    dt_per_spacing_s_m: f32,
-    /// kappa / h.
-    diffusion_m_s: f32,
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
-impl Transport {
-    /// Work space for arrays of this layout.
-    pub fn new(layout: &Layout) -> Self {
-        let flux = [layout.zeros(), layout.zeros(), layout.zeros()];
-        Self { layout: *layout, flux, stage: layout.zeros() }
+impl<'a> Part<'a> {
+    /// Carries `cells`; `work` is overwritten. Returns the number of cells computed.
+    pub fn carry(&self, on: Engine<'_>, cells: &mut Cells, work: &mut Cells, reverse: bool) -> f64 {
+        let layout = self.layout;
+        let mut computed = 0.0;
+        if reverse {
+            let [fraction, extents] = cells.slabs(layout);
+            let outs = [fraction, extents];
+            computed += on.pool.planes_sum(outs, [layout.plane, STORED], |k, [plane, stored]| {
+                on.simd.vectorize(
+                    #[inline(always)]
+                    || {
+                        let extent = self.sweep_plane(on, k, plane, Extent::load(stored), true);
+                        self.note(extent, plane, stored)
+                    },
+                )
+            });
+        }
+        let from = &*cells;
+        let outs = work.slabs(layout);
+        computed += on.pool.planes_sum(outs, Cells::slab_len(layout), |slab, [out, stored]| {
+            on.simd.vectorize(
+                #[inline(always)]
+                || self.sweep_slab(on, from, slab, out, stored, reverse),
+            )
+        });
+        std::mem::swap(cells, work);
+        computed / if reverse { 2.0 } else { 1.0 }
     }
 
-    /// Carries `fraction` as planned; `dt_per_spacing_s_m` is that of the whole step.
-    pub fn carry(
-        &mut self,
-        on: Engine<'_>,
-        fraction: &mut Field,
-        velocity: [&[f32]; 3],
-        plan: Plan,
-        dt_per_spacing_s_m: f64,
-    ) {
-        let part = Part {
-            dt_per_spacing_s_m: (plan.share * dt_per_spacing_s_m / f64::from(plan.parts)) as f32,
-            diffusion_m_s: (plan.spread / dt_per_spacing_s_m) as f32,
-        };
-        let Self { layout, flux, stage } = self;
-        for _ in 0..plan.parts {
-            if plan.carrying == Carrying::Limited {
-                set_flux::<true>(on, layout, flux, fraction, velocity, part);
-                advance(on, layout, components(flux), part, fraction, stage, 0.0);
-                set_flux::<true>(on, layout, flux, stage, velocity, part);
-                advance(on, layout, components(flux), part, stage, fraction, 0.5);
-            } else {
-                set_flux::<false>(on, layout, flux, fraction, velocity, part);
-                advance(on, layout, components(flux), part, fraction, stage, 0.0);
-                std::mem::swap(fraction, stage);
-            }
+    /// Stores what of `extent` is still needed; returns how many cells it had.
+    #[inline(always)]
+    fn note(&self, extent: Extent, plane: &[f32], stored: &mut [f32]) -> f64 {
+        let kept = if self.may_skip { extent.shrunk(self.layout, plane) } else { extent };
+        kept.store(stored);
+        extent.cells() as f64
+    }
+
+    #[inline(always)]
+    fn sweep(&self, on: Engine<'a>, axis: usize, before: &'a [usize]) -> Sweep<'a> {
+        let Self { layout, velocity, dt_per_spacing_s_m, highest, .. } = *self;
+        let open = (!on.faces.is_box).then(|| components(&on.faces.open));
+        Sweep { layout, velocity, open, dt_per_spacing_s_m, highest, axis, before }
+    }
+
+    /// Sweeps plane `k` along x and y in place; returns where it has changed.
+    #[inline(always)]
+    fn sweep_plane(
+        &self,
+        on: Engine<'a>,
+        k: usize,
+        plane: &mut [f32],
+        extent: Extent,
+        is_first: bool,
+    ) -> Extent {
+        if extent.is_empty() {
+            return extent;
+        }
+        if is_first {
+            let taller = extent.taller(self.layout);
+            self.sweep_columns(on, k, plane, taller, &ACROSS_LAST[..0]);
+            let wider = taller.wider(self.layout);
+            self.sweep_rows(on, k, plane, wider, &ACROSS_LAST[..1]);
+            wider
+        } else {
+            let wider = extent.wider(self.layout);
+            self.sweep_rows(on, k, plane, wider, &ACROSS_FIRST[..1]);
+            let taller = wider.taller(self.layout);
+            self.sweep_columns(on, k, plane, taller, &ACROSS_FIRST[..2]);
+            taller
         }
     }
+
+    #[inline(always)]
+    fn sweep_rows(
+        &self,
+        on: Engine<'a>,
+        k: usize,
+        plane: &mut [f32],
+        extent: Extent,
+        before: &'a [usize],
+    ) {
+        let sweep = self.sweep(on, 0, before);
+        for j in extent.rows() {
+            let (to, at) = (self.layout.index_in_plane(0, j), self.layout.index(0, j, k));
+            sweep.row(plane, to, at, extent.columns());
+        }
+    }
+
+    #[inline(always)]
+    fn sweep_columns(
+        &self,
+        on: Engine<'a>,
+        k: usize,
+        plane: &mut [f32],
+        extent: Extent,
+        before: &'a [usize],
+    ) {
+        let (first, stride) = (extent.x[0], self.layout.strides()[1]);
+        let mut rows = InPlane { start: self.layout.index_in_plane(first, 0), stride, plane };
+        let at = self.layout.index(first, 0, k);
+        self.sweep(on, 1, before).lines(&mut rows, at, extent.columns().len(), extent.rows());
+    }
+
+    /// Sweeps a slab of `from` across its planes into `out`, and before that or after it the
+    /// planes in themselves.
+    #[inline(always)]
+    fn sweep_slab(
+        &self,
+        on: Engine<'a>,
+        from: &Cells,
+        slab: usize,
+        out: &mut [f32],
+        stored: &mut [f32],
+        reverse: bool,
+    ) -> f64 {
+        let layout = self.layout;
+        let planes = SLAB * slab..(SLAB * (slab + 1)).min(layout.cells[2]);
+        clear(layout, out, stored);
+        let nearby = planes.start.saturating_sub(1)..planes.end + 1;
+        let reach = nearby.fold(Extent::default(), |reach, k| reach.with(from.extent(k)));
+        if reach.is_empty() {
+            return 0.0;
+        }
+        let before = if reverse { &ACROSS_LAST[..2] } else { &ACROSS_FIRST[..0] };
+        let sweep = self.sweep(on, 2, before);
+        for j in reach.rows() {
+            let at = layout.index(reach.x[0], j, 0);
+            let mut rows = Across {
+                from: &from.fraction,
+                at,
+                stride: layout.plane,
+                to: out,
+                start: layout.index_in_plane(reach.x[0], j),
+                first: planes.start,
+            };
+            sweep.lines(&mut rows, at, reach.columns().len(), planes.clone());
+        }
+        self.finish_slab(on, planes, reach, out, stored, reverse)
+    }
+
+    #[inline(always)]
+    fn finish_slab(
+        &self,
+        on: Engine<'a>,
+        planes: Range<usize>,
+        reach: Extent,
+        out: &mut [f32],
+        stored: &mut [f32],
+        reverse: bool,
+    ) -> f64 {
+        let outs = out.chunks_exact_mut(self.layout.plane).zip(stored.chunks_exact_mut(STORED));
+        let mut computed = 0.0;
+        for (k, (plane, stored)) in planes.zip(outs) {
+            let extent = if reverse { reach } else { self.sweep_plane(on, k, plane, reach, false) };
+            computed += self.note(extent, plane, stored);
+        }
+        computed
+    }
 }
 
-/// to = kept to + (1 - kept) (from - dt/h sum of fluxes out).
-fn advance(
-    on: Engine<'_>,
-    layout: &Layout,
-    flux: [&[f32]; 3],
-    part: Part,
-    from: &[f32],
-    to: &mut Field,
-    kept: f32,
-) {
-    on.pool.planes([layout.planes(to)], [layout.plane], |k, [out]| {
-        on.run(
-            layout,
-            k,
-            #[inline(always)]
-            |Run { at, to, len }, _| {
-                let out = cut_mut(out, to, len);
-                let flux = FaceRuns::new(layout, flux, at, out.len());
-                let from = cut(from, at, out.len());
-                for i in 0..out.len() {
-                    let next = from[i] - part.dt_per_spacing_s_m * flux.outflow(i);
-                    let mixed = kept * out[i] + (1.0 - kept) * next;
-                    out[i] = if mixed.abs() < TRACE { 0.0 } else { mixed };
-                }
-            },
-        );
-    });
+/// Empties what a slab holds.
+#[inline(always)]
+fn clear(layout: &Layout, slab: &mut [f32], stored: &mut [f32]) {
+    for (plane, stored) in slab.chunks_exact_mut(layout.plane).zip(stored.chunks_exact_mut(STORED))
+    {
+        Extent::load(stored).clear(layout, plane);
+        Extent::default().store(stored);
+    }
 }
 
-/// Sets the flux through all faces.
-fn set_flux<const LIMITED: bool>(
-    on: Engine<'_>,
-    layout: &Layout,
-    flux: &mut Vector,
-    fraction: &[f32],
-    velocity: [&[f32]; 3],
-    part: Part,
-) {
-    let outs = flux.each_mut().map(|flux| layout.planes(flux));
-    on.pool.planes(outs, [layout.plane; 3], |k, [x, y, z]| {
-        on.run(
-            layout,
-            k,
-            #[inline(always)]
-            |Run { at, to, len }, _| {
-                let [sx, sy, sz] = layout.strides();
-                let [open_x, open_y, open_z] = components(&on.faces.open);
-                let x = Faces { flux: cut_mut(x, to, len), open: open_x, stride: sx };
-                let y = Faces { flux: cut_mut(y, to, len), open: open_y, stride: sy };
-                let z = Faces { flux: cut_mut(z, to, len), open: open_z, stride: sz };
-                flux_run::<LIMITED>(x, velocity[0], fraction, at, part);
-                flux_run::<LIMITED>(y, velocity[1], fraction, at, part);
-                // The faces below the first plane are walls: there is nothing to read below.
-                if k > 0 {
-                    flux_run::<LIMITED>(z, velocity[2], fraction, at, part);
-                }
-            },
-        );
-    });
-}
-
-/// The lower faces of a run of cells along one axis.
-struct Faces<'a> {
-    flux: &'a mut [f32],
-    open: &'a [f32],
+/// Rows of a plane that is swept in place.
+struct InPlane<'a> {
+    plane: &'a mut [f32],
+    start: usize,
     stride: usize,
 }
 
-#[inline(always)]
-fn flux_run<const LIMITED: bool>(
-    Faces { flux, open, stride }: Faces<'_>,
-    velocity: &[f32],
-    fraction: &[f32],
+impl Rows for InPlane<'_> {
+    #[inline(always)]
+    fn read(&self, p: usize, first: usize, len: usize) -> &[f32] {
+        &self.plane[self.start + p * self.stride + first..][..len]
+    }
+
+    #[inline(always)]
+    fn write(&mut self, p: usize, first: usize, len: usize) -> &mut [f32] {
+        &mut self.plane[self.start + p * self.stride + first..][..len]
+    }
+}
+
+/// Rows of all planes, swept into a slab.
+struct Across<'a> {
+    from: &'a [f32],
     at: usize,
-    part: Part,
-) {
-    let len = flux.len();
-    let (below, above) = (cut(fraction, at - stride, len), cut(fraction, at, len));
-    let u = cut(velocity, at, len);
-    let two_below = cut(fraction, at - 2 * stride, len);
-    let two_above = cut(fraction, at + stride, len);
-    let open_below = cut(open, at - stride, len);
-    let open_above = cut(open, at + stride, len);
-    let open = cut(open, at, len);
-    for i in 0..len {
-        let step = above[i] - below[i];
-        let is_upwards = u[i] > 0.0;
-        let carried = if LIMITED {
-            let step_below = open_below[i] * (below[i] - two_below[i]);
-            let step_above = open_above[i] * (two_above[i] - above[i]);
-            let upwind_step = if is_upwards { step_below } else { step_above };
-            let half = 0.5 * limited(upwind_step, step);
-            if is_upwards { below[i] + half } else { above[i] - half }
-        } else if is_upwards {
-            below[i]
-        } else {
-            above[i]
-        };
-        flux[i] = u[i] * carried - part.diffusion_m_s * open[i] * step;
-    }
+    stride: usize,
+    to: &'a mut [f32],
+    start: usize,
+    /// First plane of the slab.
+    first: usize,
 }
 
-/// The limiter of Koren, in differences: 0 at an extremum, else the third-order mean
-/// (d_upwind + 2 d) / 3, at most twice the smaller of both.
-#[inline(always)]
-fn limited(upwind_step: f32, step: f32) -> f32 {
-    let (a, b) = (upwind_step.abs(), step.abs());
-    let smaller = if a < b { a } else { b };
-    let mean = (a + 2.0 * b) * (1.0 / 3.0);
-    let size = if mean < 2.0 * smaller { mean } else { 2.0 * smaller };
-    let signed = if step > 0.0 { size } else { -size };
-    if upwind_step * step > 0.0 { signed } else { 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn a_step_is_cut_as_finely_as_its_scheme_needs() {
-        assert_eq!(plan(0.0, 0.0).carrying, Carrying::Nothing);
-        assert_eq!((plan(0.7, 0.0).carrying, plan(0.7, 0.0).parts), (Carrying::Limited, 2));
-        assert_eq!((plan(20.0, 0.0).carrying, plan(20.0, 0.0).parts), (Carrying::Upwind, 23));
-        assert_eq!((plan(1e9, 0.0).carrying, plan(1e9, 0.0).parts), (Carrying::Lagging, 256));
-        assert_eq!(plan(0.0, 0.25).parts, 3);
+impl Rows for Across<'_> {
+    #[inline(always)]
+    fn read(&self, p: usize, first: usize, len: usize) -> &[f32] {
+        &self.from[self.at + p * self.stride + first..][..len]
     }
 
-    #[test]
-    fn smooth_steps_give_the_third_order_mean_and_extrema_none() {
-        assert!((limited(1.0, 1.2) - 3.4 / 3.0).abs() < 1e-6);
-        assert!((limited(-1.0, -1.2) + 3.4 / 3.0).abs() < 1e-6);
-        assert_eq!(limited(1.0, -1.0), 0.0);
-        assert_eq!(limited(0.0, 1.0), 0.0);
-    }
-
-    proptest! {
-        #[test]
-        fn the_limiter_stays_within_twice_both_steps(a in -2f32..2.0, b in -2f32..2.0) {
-            let limited = limited(a, b);
-            prop_assert!(limited.abs() <= 2.0 * a.abs().min(b.abs()) + 1e-6);
-            prop_assert!(limited * a >= 0.0 && limited * b >= 0.0);
-        }
+    #[inline(always)]
+    fn write(&mut self, p: usize, first: usize, len: usize) -> &mut [f32] {
+        &mut self.to[self.start + (p - self.first) * self.stride + first..][..len]
     }
 }

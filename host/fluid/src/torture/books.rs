@@ -38,7 +38,6 @@ pub struct Books {
     excess_j: f64,
     /// Half the mass-weighted sum of the squared acceleration: what it gives from rest in 1 s.
     force_j_s2: f64,
-    poured_m3: Vec<f64>,
     fractions: Vec<f32>,
 }
 
@@ -54,7 +53,6 @@ impl Books {
             failures: BTreeMap::new(),
             excess_j: 0.0,
             force_j_s2: 0.5 * squares * world.flow.cell_mass_kg(),
-            poured_m3: vec![0.0; world.substances.len()],
             fractions: vec![0.0; world.case.grid.len()],
         }
     }
@@ -96,18 +94,17 @@ impl Books {
         self.check("energy_excess", share, ENERGY_SLACK, at);
     }
 
-    /// Enters what is in the liquid of each substance, before or after pouring.
-    pub fn poured(&mut self, world: &World<'_>, sign: f64) {
-        for (index, poured) in self.poured_m3.iter_mut().enumerate() {
-            *poured += sign * world.substances.volume_m3(index);
-        }
-    }
-
-    /// Compares what is in the liquid of each substance with what was poured. Where liquid may
-    /// leave, it takes what it holds along: there only a gain is a mistake.
+    /// Compares what the cells hold of each substance with what was poured and drained. Where
+    /// liquid may leave, it takes what it holds along: there only a gain is a mistake.
     pub fn mass(&mut self, world: &World<'_>, at: usize) {
-        for (index, poured) in self.poured_m3.clone().into_iter().enumerate() {
-            let gain = (world.substances.volume_m3(index) - poured) / poured.max(f64::MIN_POSITIVE);
+        let cell_m3 = f64::from(world.case.grid.cell_volume_m3());
+        for index in 0..world.substances.len() {
+            // Not the volume that the crate tells: that counts what no cell holds.
+            world.substances.copy_fraction(index, &mut self.fractions);
+            let held_m3 = cell_m3 * self.fractions.iter().map(|f| f64::from(*f)).sum::<f64>();
+            let poured_m3 = world.substances.poured_m3(index);
+            let gained_m3 = held_m3 + world.substances.drained_m3(index) - poured_m3;
+            let gain = gained_m3 / poured_m3.max(f64::MIN_POSITIVE);
             let error = if world.case.has_openings() { gain.max(0.0) } else { gain.abs() };
             self.check("mass_error", error, MASS_SLACK, at);
         }

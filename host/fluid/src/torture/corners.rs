@@ -1,7 +1,10 @@
 //! The first eight seeds: fixed corners of what can be drawn.
 
 use super::draw::{Case, LONGEST_EDGE, Obstacle, Substance};
-use crate::solver::{Sides, Walls};
+use crate::{
+    solver::{Sides, Walls},
+    substance::Properties,
+};
 
 /// One corner.
 struct Corner {
@@ -105,9 +108,11 @@ pub fn of_seed(seed: u64, drawn: Case) -> Case {
     // A thousand times as dense as the liquid, or a thousandth: every other corner each.
     let ratio = [1e3, 1e-3][seed as usize % 2];
     case.substances = vec![Substance {
-        density_kg_m3: 1000.0 * ratio,
-        viscosity_m2_s: 1e-2,
-        diffusivity_m2_s: 0.0,
+        properties: Properties {
+            density_kg_m3: 1000.0 * ratio,
+            viscosity_m2_s: 1e-2,
+            diffusivity_m2_s: 0.0,
+        },
         poured_per_step: 0.1,
     }];
     let radius_m = 0.1 * case.grid.extent_m().max_element();

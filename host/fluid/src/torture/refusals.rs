@@ -79,6 +79,9 @@ const INPUTS: &[Input] = &[
     Input { name: "centre_in_world_m", offer: |world, bad| pour(world, at(bad), 1.0, 1.0) },
     Input { name: "radius_m", offer: |world, bad| pour(world, Vec3::ZERO, bad as f32, 1.0) },
     Input { name: "fraction_per_s", offer: |world, bad| pour(world, Vec3::ZERO, 1.0, bad as f32) },
+    Input { name: "centre_in_world_m", offer: |world, bad| drain(world, at(bad), 1.0, 1.0) },
+    Input { name: "radius_m", offer: |world, bad| drain(world, Vec3::ZERO, bad as f32, 1.0) },
+    Input { name: "share_per_s", offer: |world, bad| drain(world, Vec3::ZERO, 1.0, bad as f32) },
 ];
 
 fn said<E: std::fmt::Display>(result: Result<(), E>) -> Result<(), String> {
@@ -95,6 +98,10 @@ fn push(world: &mut World<'_>, centre: Vec3, radius_m: f32, impulse: f64) -> Res
 
 fn pour(world: &mut World<'_>, centre: Vec3, radius_m: f32, per_s: f32) -> Result<(), String> {
     said(world.substances.pour(0, centre, radius_m, per_s, 0.01))
+}
+
+fn drain(world: &mut World<'_>, centre: Vec3, radius_m: f32, per_s: f32) -> Result<(), String> {
+    said(world.substances.drain(centre, radius_m, per_s, 0.01))
 }
 
 fn middle(world: &World<'_>) -> Vec3 {
@@ -143,7 +150,7 @@ mod tests {
         case.set_cells([6, 7, 5], false);
         let mut world =
             World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
-        world.pour(0).expect("finite");
+        world.pour_or_drain(0).expect("finite");
         for input in INPUTS {
             for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 assert_eq!(offer(&mut world, input, bad), Ok(()));

@@ -24,9 +24,8 @@ const FORCE_BLOCK: usize = 8;
 
 /// What is drawn and not taken yet.
 pub const NOT_TAKEN: &[(&str, fn(&Case) -> bool)] = &[
-    ("density of substances", |case| !case.substances.is_empty()),
-    ("viscosity of substances", |case| !case.substances.is_empty()),
-    ("sinks", |case| !case.substances.is_empty()),
+    ("density of substances, by the flow", |case| !case.substances.is_empty()),
+    ("viscosity of substances, by the flow", |case| !case.substances.is_empty()),
     ("obstacles", |case| case.obstacle.is_some()),
 ];
 
@@ -56,13 +55,13 @@ impl<'a> World<'a> {
             walls: case.walls,
             pool: Arc::clone(pool),
             simd,
-            ..Setup::new(case.grid, case.vessel)
+            ..Setup::new(case.grid, case.vessel.clone())
         };
-        let diffusivities: Vec<_> = case.substances.iter().map(|s| s.diffusivity_m2_s).collect();
+        let properties: Vec<_> = case.substances.iter().map(|s| s.properties).collect();
         let mut world = Self {
             case,
             flow: Flow::new(&setup)?,
-            substances: Substances::new(&setup, &diffusivities),
+            substances: Substances::new(&setup, &properties),
             setup,
             // Not the stream that the case itself was drawn from.
             draws: Rand64::new(u128::from(case.seed) ^ (1 << 100)),
@@ -116,16 +115,17 @@ impl<'a> World<'a> {
         Ok(if self.case.acceleration_m_s2 > 0.0 { start.max(end) } else { 0.0 })
     }
 
-    /// Turns the sources on at every even step, and off again.
-    pub fn pour(&mut self, step: usize) -> Result<(), Refused> {
-        if !step.is_multiple_of(2) {
-            return Ok(());
-        }
+    /// Turns the sources on at every even step, and the drain at every odd one.
+    pub fn pour_or_drain(&mut self, step: usize) -> Result<(), Refused> {
+        let (dt_s, radius_m) = (self.case.dt_s, 3.0 * self.case.grid.spacing_m);
         for (index, substance) in self.case.substances.iter().enumerate() {
             let at = self.place();
-            let radius_m = 3.0 * self.case.grid.spacing_m;
-            let fraction_per_s = (substance.poured_per_step / self.case.dt_s) as f32;
-            self.substances.pour(index, at, radius_m, fraction_per_s, self.case.dt_s)?;
+            let rate_per_s = (substance.poured_per_step / dt_s) as f32;
+            if step.is_multiple_of(2) {
+                self.substances.pour(index, at, radius_m, rate_per_s, dt_s)?;
+            } else if index == 0 {
+                self.substances.drain(at, radius_m, rate_per_s, dt_s)?;
+            }
         }
         Ok(())
     }

@@ -16,7 +16,7 @@ use crate::solver::{
     Side, Sides,
     flow::{
         field::{Field, Layout, Vector},
-        poisson::{End, Ends},
+        poisson::basis::{End, Ends},
     },
 };
 

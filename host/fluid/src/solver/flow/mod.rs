@@ -1,5 +1,5 @@
 //! Our flow solver: a staggered grid in a box or a pot, f32 throughout, deterministic for any
-//! number of threads and any vector width, allocation-free after construction.
+//! number of threads and for 256 as for 512 bits, allocation-free after construction.
 //!
 //! It chooses scheme and number of sub-steps from the step it is given, so that it is
 //! accurate where that is cheap and stable always.
@@ -9,6 +9,7 @@ mod exchange;
 pub(crate) mod faces;
 pub(crate) mod field;
 mod ghosts;
+mod krylov;
 mod momentum;
 mod poisson;
 mod pressure;
@@ -17,7 +18,6 @@ mod stages;
 mod step;
 mod survey;
 mod trace;
-mod transform;
 mod viscous;
 mod walls;
 
@@ -143,7 +143,7 @@ impl Flow {
             viscous: Viscous::new(&layout, &faces),
             pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
-            projection: Projection::new(&layout, &faces, &ghosts),
+            projection: Projection::new(&layout, &faces, &ghosts, &setup.pool),
             force: None,
             force_scale: [1.0; 2],
             survey: None,

@@ -14,7 +14,7 @@
 //! faces and ghosts is set right afterwards.
 
 use crate::{
-    simd::{Arithmetic, Kernel},
+    simd::SimdClass,
     solver::flow::field::{Layout, Run, Star, cut, cut_mut},
 };
 
@@ -120,24 +120,24 @@ pub struct RungeKuttaRun<'a, 'b> {
     pub out: [&'b mut [f32]; 3],
 }
 
-impl Kernel for MultistepRun<'_, '_> {
-    type Output = ();
-
+impl MultistepRun<'_, '_> {
+    /// Computes it with the arithmetic of `class`.
     #[inline(always)]
-    fn run<A: Arithmetic>(self) {
+    pub fn compute(self, class: SimdClass) {
         let Self { stage, advance, run: Run { at, to, len }, history, out } = self;
         let ([gx, gy, gz], [x, y, z]) = (history, out);
         macro_rules! component {
             ($c:literal, $history:ident, $out:ident) => {{
                 let here = cut(stage.velocity[$c], at, len);
                 let (history, out) = (cut_mut($history, to, len), cut_mut($out, to, len));
-                stage.rates::<$c, A>(
+                stage.rates::<$c>(
+                    class,
                     at,
                     len,
                     #[inline(always)]
                     |i, rate| {
-                        let start = A::mul_add(advance.old_s, history[i], here[i]);
-                        out[i] = A::mul_add(advance.new_s, rate, start);
+                        let start = class.multiply_add(advance.old_s, history[i], here[i]);
+                        out[i] = class.multiply_add(advance.new_s, rate, start);
                         history[i] = rate;
                     },
                 );
@@ -149,11 +149,10 @@ impl Kernel for MultistepRun<'_, '_> {
     }
 }
 
-impl Kernel for SemiRun<'_, '_> {
-    type Output = ();
-
+impl SemiRun<'_, '_> {
+    /// Computes it with the arithmetic of `class`.
     #[inline(always)]
-    fn run<A: Arithmetic>(self) {
+    pub fn compute(self, class: SimdClass) {
         let Self { stage, advance, run: Run { at, to, len }, history, out } = self;
         let ([gx, gy, gz], [x, y, z]) = (history, out);
         let strides = stage.layout.strides();
@@ -163,16 +162,17 @@ impl Kernel for SemiRun<'_, '_> {
                 let (history, out) = (cut_mut($history, to, len), cut_mut($out, to, len));
                 let above = cut(advance.pressure, at, len);
                 let below = cut(advance.pressure, at - strides[$c], len);
-                stage.rates::<$c, A>(
+                stage.rates::<$c>(
+                    class,
                     at,
                     len,
                     #[inline(always)]
                     |i, rate| {
-                        let lap = A::mul_add(-6.0, own.here[i], own.around(i));
+                        let lap = class.multiply_add(-6.0, own.here[i], own.around(i));
                         let push = advance.dt_s * (below[i] - above[i]);
-                        let change = A::mul_add(advance.viscous, lap, push);
-                        let change = A::mul_add(advance.rates.old_s, history[i], change);
-                        out[i] = A::mul_add(advance.rates.new_s, rate, change);
+                        let change = class.multiply_add(advance.viscous, lap, push);
+                        let change = class.multiply_add(advance.rates.old_s, history[i], change);
+                        out[i] = class.multiply_add(advance.rates.new_s, rate, change);
                         history[i] = rate;
                     },
                 );
@@ -184,11 +184,10 @@ impl Kernel for SemiRun<'_, '_> {
     }
 }
 
-impl Kernel for RungeKuttaRun<'_, '_> {
-    type Output = ();
-
+impl RungeKuttaRun<'_, '_> {
+    /// Computes it with the arithmetic of `class`.
     #[inline(always)]
-    fn run<A: Arithmetic>(self) {
+    pub fn compute(self, class: SimdClass) {
         let Self { stage, advance, run: Run { at, to, len }, out: [x, y, z] } = self;
         let strides = stage.layout.strides();
         macro_rules! component {
@@ -197,15 +196,16 @@ impl Kernel for RungeKuttaRun<'_, '_> {
                 let start = cut(advance.start[$c], at, len);
                 let above = cut(advance.pressure, at, len);
                 let below = cut(advance.pressure, at - strides[$c], len);
-                stage.rates::<$c, A>(
+                stage.rates::<$c>(
+                    class,
                     at,
                     len,
                     #[inline(always)]
                     |i, rate| {
                         let rate = rate - (above[i] - below[i]);
-                        let next = A::mul_add(advance.dt_s, rate, here[i]);
+                        let next = class.multiply_add(advance.dt_s, rate, here[i]);
                         let kept = advance.start_share * start[i];
-                        out[i] = A::mul_add(advance.own_share, next, kept);
+                        out[i] = class.multiply_add(advance.own_share, next, kept);
                     },
                 );
             }};
@@ -219,23 +219,25 @@ impl Kernel for RungeKuttaRun<'_, '_> {
 impl Stage<'_> {
     /// Calls `advance(i, rate)` for the rates of component `C` at `len` faces from index `at`.
     #[inline(always)]
-    fn rates<const C: usize, A: Arithmetic>(
+    fn rates<const C: usize>(
         &self,
+        class: SimdClass,
         at: usize,
         len: usize,
         advance: impl FnMut(usize, f32),
     ) {
         match (self.terms.viscous_per_s > 0.0, self.force) {
-            (false, None) => self.rates_of::<C, false, false, A>(at, len, advance),
-            (false, Some(_)) => self.rates_of::<C, false, true, A>(at, len, advance),
-            (true, None) => self.rates_of::<C, true, false, A>(at, len, advance),
-            (true, Some(_)) => self.rates_of::<C, true, true, A>(at, len, advance),
+            (false, None) => self.rates_of::<C, false, false>(class, at, len, advance),
+            (false, Some(_)) => self.rates_of::<C, false, true>(class, at, len, advance),
+            (true, None) => self.rates_of::<C, true, false>(class, at, len, advance),
+            (true, Some(_)) => self.rates_of::<C, true, true>(class, at, len, advance),
         }
     }
 
     #[inline(always)]
-    fn rates_of<const C: usize, const VISCOUS: bool, const FORCED: bool, A: Arithmetic>(
+    fn rates_of<const C: usize, const VISCOUS: bool, const FORCED: bool>(
         &self,
+        class: SimdClass,
         at: usize,
         len: usize,
         mut advance: impl FnMut(usize, f32),
@@ -247,16 +249,16 @@ impl Stage<'_> {
         let force =
             if FORCED { self.force.map_or(own.here, |f| cut(f[C], at, len)) } else { own.here };
         for i in 0..len {
-            let sum = x.carry::<A>(i, own.x, None);
-            let sum = y.carry::<A>(i, own.y, Some(sum));
-            let sum = z.carry::<A>(i, own.z, Some(sum));
+            let sum = x.carry(class, i, own.x, None);
+            let sum = y.carry(class, i, own.y, Some(sum));
+            let sum = z.carry(class, i, own.z, Some(sum));
             let mut rate = terms.advection_per_m * sum;
             if VISCOUS {
-                let lap = A::mul_add(-6.0, own.here[i], own.around(i));
-                rate = A::mul_add(terms.viscous_per_s, lap, rate);
+                let lap = class.multiply_add(-6.0, own.here[i], own.around(i));
+                rate = class.multiply_add(terms.viscous_per_s, lap, rate);
             }
             if FORCED {
-                rate = A::mul_add(terms.force, force[i], rate);
+                rate = class.multiply_add(terms.force, force[i], rate);
             }
             advance(i, rate);
         }
@@ -297,17 +299,18 @@ impl<'a> Through<'a> {
 
     /// sum + q+ above - q- below.
     #[inline(always)]
-    fn carry<A: Arithmetic>(
+    fn carry(
         &self,
+        class: SimdClass,
         i: usize,
         (below, above): (&[f32], &[f32]),
         sum: Option<f32>,
     ) -> f32 {
         let (high, low) = (self.high.0[i] + self.high.1[i], self.low.0[i] + self.low.1[i]);
         let in_front = match sum {
-            Some(sum) => A::mul_add(high, above[i], sum),
+            Some(sum) => class.multiply_add(high, above[i], sum),
             None => high * above[i],
         };
-        A::mul_add(-low, below[i], in_front)
+        class.multiply_add(-low, below[i], in_front)
     }
 }

@@ -9,24 +9,17 @@
 //! the whole box, solution restricted to the liquid. The energy of the extension is bounded by
 //! that of the liquid's own field, so the number of iterations does not grow with the grid.
 
-use crate::solver::flow::{
-    engine::Engine,
-    faces::Faces,
-    field::{FaceRuns, Field, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut},
-    ghosts::{Fill, Ghosts},
-    poisson::Poisson,
-    survey::{Survey, survey_plane},
+use crate::{
+    pool::Pool,
+    solver::flow::{
+        engine::Engine,
+        faces::Faces,
+        field::{FaceRuns, Field, Layout, Run, Star, Vector, components, cut, cut_mut},
+        ghosts::{Fill, Ghosts},
+        poisson::Poisson,
+        survey::{Survey, survey_plane},
+    },
 };
-
-/// The residual may fall to this part of what it was ...
-const RELATIVE_TOLERANCE: f64 = 1e-5;
-
-/// ... or, as nothing smaller can be told from the rounding of the velocities, to this part of
-/// the largest speed.
-const SPEED_TOLERANCE: f64 = 3e-6;
-
-/// Iterations at most.
-const MAX_ITERATIONS: usize = 40;
 
 /// Below this a velocity component is 0: at rest means at rest.
 const REST_M_S: f32 = 1e-6;
@@ -55,18 +48,17 @@ pub struct Projection {
     poisson: Poisson,
     /// Solution of the last solve; its ghosts are 0, or those of periodic sides.
     psi: Field,
-    residual: Field,
-    /// Preconditioned residual, search direction, and A times it; only in a pot.
-    krylov: Option<[Field; 3]>,
+    /// Residual, preconditioned residual, search direction, and A times it; only in a vessel.
+    krylov: Option<[Field; 4]>,
 }
 
 impl Projection {
     /// For the liquid that `faces` describe, between the sides of `ghosts`.
-    pub fn new(layout: &Layout, faces: &Faces, ghosts: &Ghosts) -> Self {
-        let krylov = (!faces.is_box).then(|| [layout.zeros(), layout.zeros(), layout.zeros()]);
-        let (psi, residual) = (layout.zeros(), layout.zeros());
-        let poisson = Poisson::new(layout, ghosts.pressure_ends());
-        Self { layout: *layout, poisson, psi, residual, krylov }
+    pub fn new(layout: &Layout, faces: &Faces, ghosts: &Ghosts, pool: &Pool) -> Self {
+        let poisson = Poisson::new(layout, ghosts.pressure_ends(), pool.threads());
+        let zeros = || layout.zeros();
+        let krylov = (!faces.is_box).then(|| [zeros(), zeros(), zeros(), zeros()]);
+        Self { layout: *layout, poisson, psi: zeros(), krylov }
     }
 
     /// Takes the divergence out of `velocity`, whose ghosts are filled before and after.
@@ -78,83 +70,23 @@ impl Projection {
         velocity: &mut Vector,
         force: Option<[&[f32]; 3]>,
     ) -> Projected {
-        let squares = self.set_residual(on, components(velocity));
-        let iterations = if self.krylov.is_some() { self.iterate(on, ghosts, squares) } else { 0 };
-        if self.krylov.is_none() {
-            self.poisson.solve(on.pool, on.simd, &self.residual, &mut self.psi);
-        }
+        let Self { layout, poisson, psi, krylov } = self;
+        let iterations = match krylov {
+            Some(krylov) => {
+                let squares = set_residual(on, layout, components(velocity), &mut krylov[0]);
+                on.iterate(layout, ghosts, poisson, psi, krylov, squares)
+            }
+            None => {
+                set_residual(on, layout, components(velocity), psi);
+                poisson.solve_in_place(on.pool, on.simd, psi);
+                0
+            }
+        };
         if ghosts.wrap() {
-            ghosts.wrap_cells(&mut self.psi);
+            ghosts.wrap_cells(psi);
         }
         let survey = self.correct(on, ghosts, velocity, force);
         Projected { iterations, survey }
-    }
-
-    /// residual = -delta; returns its squared norm and the squared norm of the velocity.
-    fn set_residual(&mut self, on: Engine<'_>, velocity: [&[f32]; 3]) -> [f64; 2] {
-        let layout = self.layout;
-        let is_box = on.faces.is_box;
-        let body = |k, [out]: [&mut [f32]; 1]| {
-            on.rows(
-                &layout,
-                k,
-                #[inline(always)]
-                |Run { at, to, len }, sums| {
-                    let out = cut_mut(out, to, len);
-                    let faces = FaceRuns::new(&layout, velocity, at, len);
-                    for i in 0..out.len() {
-                        out[i] = -faces.outflow(i);
-                    }
-                    if !is_box {
-                        let liquid = cut(&on.faces.liquid, at, len);
-                        out.iter_mut().zip(liquid).for_each(|(out, liquid)| *out *= liquid);
-                        sums[0].add_product(out, out);
-                        faces.add_squares(&mut sums[1]);
-                    }
-                },
-            )
-        };
-        let outs = [layout.planes(&mut self.residual)];
-        let combine = |a: [f64; 4], b: [f64; 4]| [a[0] + b[0], a[1] + b[1], 0.0, 0.0];
-        let [square, speed_square, ..] = on.pool.fold(None, outs, [layout.plane], body, combine);
-        [square, speed_square]
-    }
-
-    /// Preconditioned conjugate gradients from psi = 0.
-    fn iterate(
-        &mut self,
-        on: Engine<'_>,
-        ghosts: &Ghosts,
-        [square, speed_square]: [f64; 2],
-    ) -> u32 {
-        let Self { layout, poisson, psi, residual, krylov: Some([z, p, q]) } = self else {
-            return 0;
-        };
-        let layout = *layout;
-        let small = (square * RELATIVE_TOLERANCE * RELATIVE_TOLERANCE)
-            .max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
-        psi.fill(0.0);
-        if square <= small {
-            return 0;
-        }
-        let mut rz = on.precondition(&layout, poisson, residual, z);
-        p.copy_from_slice(z);
-        ghosts.wrap_cells(p);
-        for iteration in 1..=MAX_ITERATIONS {
-            let curvature = on.apply(&layout, p, q);
-            if !(curvature > 0.0 && rz > 0.0) {
-                return iteration as u32;
-            }
-            let square = on.descend(&layout, (rz / curvature) as f32, [p, q], psi, residual);
-            if square <= small || iteration == MAX_ITERATIONS {
-                return iteration as u32;
-            }
-            let rz_next = on.precondition(&layout, poisson, residual, z);
-            on.turn(&layout, (rz_next / rz) as f32, z, p);
-            ghosts.wrap_cells(p);
-            rz = rz_next;
-        }
-        MAX_ITERATIONS as u32
     }
 
     /// Subtracts the gradient of psi, snaps what is nearly at rest, and surveys the outcome.
@@ -237,6 +169,40 @@ impl Projection {
     }
 }
 
+/// residual = -delta; returns its squared norm and the squared norm of the velocity.
+fn set_residual(
+    on: Engine<'_>,
+    layout: &Layout,
+    velocity: [&[f32]; 3],
+    residual: &mut Field,
+) -> [f64; 2] {
+    let is_box = on.faces.is_box;
+    let body = |k, [out]: [&mut [f32]; 1]| {
+        on.rows(
+            layout,
+            k,
+            #[inline(always)]
+            |Run { at, to, len }, sums| {
+                let out = cut_mut(out, to, len);
+                let faces = FaceRuns::new(layout, velocity, at, len);
+                for i in 0..out.len() {
+                    out[i] = -faces.outflow(i);
+                }
+                if !is_box {
+                    let liquid = cut(&on.faces.liquid, at, len);
+                    out.iter_mut().zip(liquid).for_each(|(out, liquid)| *out *= liquid);
+                    sums[0].add_product(out, out);
+                    faces.add_squares(&mut sums[1]);
+                }
+            },
+        )
+    };
+    let outs = [layout.planes(residual)];
+    let combine = |a: [f64; 4], b: [f64; 4]| [a[0] + b[0], a[1] + b[1], 0.0, 0.0];
+    let [square, speed_square, ..] = on.pool.fold(None, outs, [layout.plane], body, combine);
+    [square, speed_square]
+}
+
 #[inline(always)]
 fn correct_box(u: &mut [f32], above: &[f32], below: &[f32]) {
     for i in 0..u.len() {
@@ -259,102 +225,5 @@ fn predict(next: &mut [f32], trend: &mut [f32], rate: f32, share: f32, psi: &[f3
         let miss = rate * psi[i];
         trend[i] = share * trend[i] + miss;
         next[i] += miss + share * trend[i];
-    }
-}
-
-/// out += share x.
-#[inline(always)]
-fn add_row(out: &mut [f32], share: f32, x: &[f32]) {
-    out.iter_mut().zip(x).for_each(|(out, x)| *out += share * x);
-}
-
-impl Engine<'_> {
-    /// z = the box's solution for r, in the liquid; returns r . z.
-    fn precondition(
-        &self,
-        layout: &Layout,
-        poisson: &mut Poisson,
-        r: &[f32],
-        z: &mut Field,
-    ) -> f64 {
-        poisson.solve(self.pool, self.simd, r, z);
-        self.pool.planes_sum([layout.planes(z)], [layout.plane], |k, [z]| {
-            let (at, len) = ((k + 1) * layout.plane, layout.plane);
-            let (z, liquid, r) =
-                (cut_mut(z, 0, len), cut(&self.faces.liquid, at, len), cut(r, at, len));
-            self.simd.vectorize(
-                #[inline(always)]
-                || {
-                    for (z, liquid) in z.iter_mut().zip(liquid) {
-                        *z *= liquid;
-                    }
-                    let mut sum = Lanes::default();
-                    sum.add_product(z, r);
-                    sum.sum()
-                },
-            )
-        })
-    }
-
-    /// q = A p; returns p . q. p is 0 outside the liquid.
-    fn apply(&self, layout: &Layout, p: &[f32], q: &mut Field) -> f64 {
-        self.pool.planes_sum([layout.planes(q)], [layout.plane], |k, [q]| {
-            self.run(
-                layout,
-                k,
-                #[inline(always)]
-                |Run { at, to, len }, sums| {
-                    let (q, p) = (cut_mut(q, to, len), Star::new(layout, p, at, len));
-                    let liquid = cut(&self.faces.liquid, at, len);
-                    let count = cut(&self.faces.open_count, at, len);
-                    for i in 0..q.len() {
-                        q[i] = liquid[i] * (count[i] * p.here[i] - p.around(i));
-                    }
-                    sums[0].add_product(p.here, q);
-                },
-            )[0]
-        })
-    }
-
-    /// psi += alpha p, r -= alpha q; returns r . r.
-    fn descend(
-        &self,
-        layout: &Layout,
-        alpha: f32,
-        [p, q]: [&[f32]; 2],
-        psi: &mut Field,
-        r: &mut Field,
-    ) -> f64 {
-        let outs = [layout.planes(psi), layout.planes(r)];
-        self.pool.planes_sum(outs, [layout.plane; 2], |k, [psi, r]| {
-            self.run(
-                layout,
-                k,
-                #[inline(always)]
-                |Run { at, to, len }, sums| {
-                    let (psi, r) = (cut_mut(psi, to, len), cut_mut(r, to, len));
-                    add_row(psi, alpha, cut(p, at, len));
-                    add_row(r, -alpha, cut(q, at, len));
-                    sums[0].add_product(r, r);
-                },
-            )[0]
-        })
-    }
-
-    /// p = z + beta p.
-    fn turn(&self, layout: &Layout, beta: f32, z: &[f32], p: &mut Field) {
-        self.pool.planes([layout.planes(p)], [layout.plane], |k, [p]| {
-            self.run(
-                layout,
-                k,
-                #[inline(always)]
-                |Run { at, to, len }, _| {
-                    let (p, z) = (cut_mut(p, to, len), cut(z, at, len));
-                    for (p, z) in p.iter_mut().zip(z) {
-                        *p = z + beta * *p;
-                    }
-                },
-            );
-        });
     }
 }

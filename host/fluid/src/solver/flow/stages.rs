@@ -103,7 +103,11 @@ impl Flow {
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
             let Some(run) = on.live_run(layout, k) else { return };
             let (history, out) = ([&mut *gx, &mut *gy, &mut *gz], [&mut *x, &mut *y, &mut *z]);
-            on.simd.run(MultistepRun { stage, advance, run, history, out });
+            let part = MultistepRun { stage, advance, run, history, out };
+            on.simd.vectorize_as(
+                #[inline(always)]
+                |class| part.compute(class),
+            );
             if !faces.is_box {
                 let per_s = terms.viscous_per_s;
                 hold(on, stage.velocity, run, advance.new_s * per_s, [x, y, z]);
@@ -134,7 +138,11 @@ impl Flow {
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
             let Some(run) = on.live_run(layout, k) else { return };
             let out = [&mut *x, &mut *y, &mut *z];
-            on.simd.run(SemiRun { stage, advance, run, history: [gx, gy, gz], out });
+            let part = SemiRun { stage, advance, run, history: [gx, gy, gz], out };
+            on.simd.vectorize_as(
+                #[inline(always)]
+                |class| part.compute(class),
+            );
             if !faces.is_box {
                 hold(on, stage.velocity, run, viscous, [x, y, z]);
             }
@@ -183,7 +191,11 @@ impl Flow {
             on.pool.planes(outs, [layout.plane; 3], |k, mut out| {
                 let Some(run) = on.live_run(&layout, k) else { return };
                 let reborrowed = out.each_mut().map(|out| &mut **out);
-                on.simd.run(RungeKuttaRun { stage, advance, run, out: reborrowed });
+                let part = RungeKuttaRun { stage, advance, run, out: reborrowed };
+                on.simd.vectorize_as(
+                    #[inline(always)]
+                    |class| part.compute(class),
+                );
                 if !faces.is_box {
                     let viscous = own_share * advance.dt_s * stage.terms.viscous_per_s;
                     hold(on, stage.velocity, run, viscous, out);

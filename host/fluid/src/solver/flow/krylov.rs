@@ -1,0 +1,159 @@
+//! The pressure in a vessel that is not a box: preconditioned conjugate gradients (Hestenes,
+//! Stiefel 1952).
+//!
+//! The preconditioner is the direct solver of the whole box: residual extended by 0, solution
+//! restricted to the liquid. The energy of the extension is bounded by that of the liquid's own
+//! field, so the number of iterations does not grow with the grid.
+
+use crate::solver::flow::{
+    engine::Engine,
+    field::{Field, Lanes, Layout, Run, Star, cut, cut_mut},
+    ghosts::Ghosts,
+    poisson::Poisson,
+};
+
+/// The residual may fall to this part of what it was ...
+const RELATIVE_TOLERANCE: f64 = 1e-5;
+
+/// ... or, as nothing smaller can be told from the rounding of the velocities, to this part of
+/// the largest speed.
+const SPEED_TOLERANCE: f64 = 3e-6;
+
+/// Iterations at most.
+const MAX_ITERATIONS: usize = 40;
+
+/// out += share x.
+#[inline(always)]
+fn add_row(out: &mut [f32], share: f32, x: &[f32]) {
+    out.iter_mut().zip(x).for_each(|(out, x)| *out += share * x);
+}
+
+impl Engine<'_> {
+    /// Preconditioned conjugate gradients from psi = 0.
+    ///
+    /// `residual` comes in as the right-hand side with its squared norm; the velocity's says what
+    /// can be told from rounding. Returns the iterations taken.
+    pub fn iterate(
+        &self,
+        layout: &Layout,
+        ghosts: &Ghosts,
+        poisson: &mut Poisson,
+        psi: &mut Field,
+        [residual, z, p, q]: &mut [Field; 4],
+        [square, speed_square]: [f64; 2],
+    ) -> u32 {
+        let small = (square * RELATIVE_TOLERANCE * RELATIVE_TOLERANCE)
+            .max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
+        psi.fill(0.0);
+        if square <= small {
+            return 0;
+        }
+        let mut rz = self.precondition(layout, poisson, residual, z);
+        p.copy_from_slice(z);
+        ghosts.wrap_cells(p);
+        for iteration in 1..=MAX_ITERATIONS {
+            let curvature = self.apply(layout, p, q);
+            if !(curvature > 0.0 && rz > 0.0) {
+                return iteration as u32;
+            }
+            let square = self.descend(layout, (rz / curvature) as f32, [p, q], psi, residual);
+            if square <= small || iteration == MAX_ITERATIONS {
+                return iteration as u32;
+            }
+            let rz_next = self.precondition(layout, poisson, residual, z);
+            self.turn(layout, (rz_next / rz) as f32, z, p);
+            ghosts.wrap_cells(p);
+            rz = rz_next;
+        }
+        MAX_ITERATIONS as u32
+    }
+
+    /// z = the box's solution for r, in the liquid; returns r . z.
+    fn precondition(
+        &self,
+        layout: &Layout,
+        poisson: &mut Poisson,
+        r: &[f32],
+        z: &mut Field,
+    ) -> f64 {
+        poisson.solve(self.pool, self.simd, r, z);
+        self.pool.planes_sum([layout.planes(z)], [layout.plane], |k, [z]| {
+            let (at, len) = ((k + 1) * layout.plane, layout.plane);
+            let (z, liquid, r) =
+                (cut_mut(z, 0, len), cut(&self.faces.liquid, at, len), cut(r, at, len));
+            self.simd.vectorize(
+                #[inline(always)]
+                || {
+                    for (z, liquid) in z.iter_mut().zip(liquid) {
+                        *z *= liquid;
+                    }
+                    let mut sum = Lanes::default();
+                    sum.add_product(z, r);
+                    sum.sum()
+                },
+            )
+        })
+    }
+
+    /// q = A p; returns p . q. p is 0 outside the liquid.
+    fn apply(&self, layout: &Layout, p: &[f32], q: &mut Field) -> f64 {
+        self.pool.planes_sum([layout.planes(q)], [layout.plane], |k, [q]| {
+            self.run(
+                layout,
+                k,
+                #[inline(always)]
+                |Run { at, to, len }, sums| {
+                    let (q, p) = (cut_mut(q, to, len), Star::new(layout, p, at, len));
+                    let liquid = cut(&self.faces.liquid, at, len);
+                    let count = cut(&self.faces.open_count, at, len);
+                    for i in 0..q.len() {
+                        q[i] = liquid[i] * (count[i] * p.here[i] - p.around(i));
+                    }
+                    sums[0].add_product(p.here, q);
+                },
+            )[0]
+        })
+    }
+
+    /// psi += alpha p, r -= alpha q; returns r . r.
+    fn descend(
+        &self,
+        layout: &Layout,
+        alpha: f32,
+        [p, q]: [&[f32]; 2],
+        psi: &mut Field,
+        r: &mut Field,
+    ) -> f64 {
+        let outs = [layout.planes(psi), layout.planes(r)];
+        self.pool.planes_sum(outs, [layout.plane; 2], |k, [psi, r]| {
+            self.run(
+                layout,
+                k,
+                #[inline(always)]
+                |Run { at, to, len }, sums| {
+                    let (psi, r) = (cut_mut(psi, to, len), cut_mut(r, to, len));
+                    add_row(psi, alpha, cut(p, at, len));
+                    add_row(r, -alpha, cut(q, at, len));
+                    sums[0].add_product(r, r);
+                },
+            )[0]
+        })
+    }
+
+    /// p = z + beta p.
+    fn turn(&self, layout: &Layout, beta: f32, z: &[f32], p: &mut Field) {
+        self.pool.planes([layout.planes(p)], [layout.plane], |k, [p]| {
+            self.run(
+                layout,
+                k,
+                #[inline(always)]
+                |Run { at, to, len }, _| {
+                    let (p, z) = (cut_mut(p, to, len), cut(z, at, len));
+                    for (p, z) in p.iter_mut().zip(z) {
+                        *p = z + beta * *p;
+                    }
+                },
+            );
+        });
+    }
+}

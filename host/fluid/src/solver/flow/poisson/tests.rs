@@ -1,0 +1,187 @@
+//! The solver against its operator, for all kinds of ends.
+
+use super::{
+    Poisson,
+    basis::{End, Ends},
+};
+use crate::{
+    pool::Pool,
+    simd::SimdClass,
+    solver::flow::{
+        faces::cells,
+        field::{Field, Layout},
+    },
+};
+
+const HALF_OPEN: Ends = Ends::Between([End::Closed, End::Open]);
+const OTHER_HALF: Ends = Ends::Between([End::Open, End::Closed]);
+const OPEN: Ends = Ends::Between([End::Open; 2]);
+
+/// Every kind of end on every axis, and what may go wrong with them together.
+const ENDS: [[Ends; 3]; 9] = [
+    [Ends::CLOSED; 3],
+    [Ends::Periodic; 3],
+    [OPEN; 3],
+    [HALF_OPEN; 3],
+    [OTHER_HALF; 3],
+    [Ends::Periodic, Ends::CLOSED, HALF_OPEN],
+    [Ends::CLOSED, OPEN, Ends::Periodic],
+    [HALF_OPEN, Ends::Periodic, Ends::CLOSED],
+    [OPEN, OTHER_HALF, Ends::Periodic],
+];
+
+const SIZES: [[usize; 3]; 9] = [
+    [1, 1, 1],
+    [2, 2, 2],
+    [1, 8, 8],
+    [8, 1, 1],
+    [3, 1, 5],
+    [5, 9, 1],
+    [7, 13, 11],
+    [32, 16, 4],
+    [31, 12, 20],
+];
+
+/// A with f64, as the module of the solver states it.
+fn apply(size: [usize; 3], ends: [Ends; 3], psi: &[f64]) -> Vec<f64> {
+    let strides = [1, size[0], size[0] * size[1]];
+    cells(size)
+        .map(|(i, j, k)| {
+            let cell = [i, j, k];
+            let at = i + size[0] * (j + size[1] * k);
+            let across = |axis: usize, up: usize| {
+                let (n, stride, c) = (size[axis], strides[axis], cell[axis]);
+                let is_end = c == up * (n - 1);
+                match (is_end, ends[axis]) {
+                    (false, _) if up == 1 => psi[at] - psi[at + stride],
+                    (false, _) => psi[at] - psi[at - stride],
+                    (true, Ends::Periodic) if up == 1 => psi[at] - psi[at - c * stride],
+                    (true, Ends::Periodic) => psi[at] - psi[at + (n - 1) * stride],
+                    (true, Ends::Between(ends)) if ends[up] == End::Open => psi[at],
+                    (true, Ends::Between(_)) => 0.0,
+                }
+            };
+            (0..3).map(|axis| across(axis, 0) + across(axis, 1)).sum()
+        })
+        .collect()
+}
+
+fn is_singular(ends: [Ends; 3]) -> bool {
+    ends.iter().all(|ends| matches!(ends, Ends::Periodic) || *ends == Ends::CLOSED)
+}
+
+fn subtract_mean(values: &mut [f64]) {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter_mut().for_each(|value| *value -= mean);
+}
+
+/// A right-hand side that can be solved for.
+fn right_hand_side(size: [usize; 3], ends: [Ends; 3]) -> Vec<f64> {
+    let mut rhs: Vec<f64> = cells(size)
+        .map(|(i, j, k)| ((3 * i + 5 * j + 7 * k) as f64).sin() + (i as f64 * 0.2).cos())
+        .collect();
+    if is_singular(ends) {
+        subtract_mean(&mut rhs);
+    }
+    rhs
+}
+
+fn padded(layout: &Layout, values: &[f64]) -> Field {
+    let mut field = layout.zeros();
+    for ((i, j, k), value) in cells(layout.cells).zip(values) {
+        field[layout.index(i, j, k)] = *value as f32;
+    }
+    field
+}
+
+fn unpadded(layout: &Layout, field: &Field) -> Vec<f64> {
+    cells(layout.cells).map(|(i, j, k)| f64::from(field[layout.index(i, j, k)])).collect()
+}
+
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a, b| a.max(b.abs()))
+}
+
+fn solve(pool: &Pool, simd: SimdClass, size: [usize; 3], ends: [Ends; 3]) -> (Layout, Field) {
+    let layout = Layout::new(size);
+    let mut psi = padded(&layout, &right_hand_side(size, ends));
+    Poisson::new(&layout, ends, pool.threads()).solve_in_place(pool, simd, &mut psi);
+    (layout, psi)
+}
+
+#[test]
+fn the_residual_is_rounding_for_any_shape_and_ends() {
+    let pool = Pool::new(2, false);
+    for (size, ends) in SIZES.into_iter().flat_map(|size| ENDS.map(|ends| (size, ends))) {
+        let rhs = right_hand_side(size, ends);
+        for simd in SimdClass::ALL {
+            let (layout, psi) = solve(&pool, simd, size, ends);
+            let psi = unpadded(&layout, &psi);
+            let miss =
+                apply(size, ends, &psi).iter().zip(&rhs).map(|(a, b)| a - b).collect::<Vec<_>>();
+            // A takes what psi is rounded by up to 12 times as large.
+            let scale = largest(rhs.iter().copied()) + largest(psi.iter().copied());
+            let residual = largest(miss) / scale.max(1e-30);
+            assert!(residual < 4e-6, "{size:?} {ends:?} {simd}: {residual}");
+        }
+    }
+}
+
+#[test]
+fn the_solution_is_that_of_conjugate_gradients() {
+    let (size, pool) = ([6, 5, 7], Pool::inline());
+    for ends in ENDS {
+        let rhs = right_hand_side(size, ends);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (mut exact, mut r, mut p) = (vec![0.0; rhs.len()], rhs.clone(), rhs.clone());
+        for _ in 0..200 {
+            let (q, square) = (apply(size, ends, &p), dot(&r, &r));
+            if square < 1e-24 {
+                break;
+            }
+            let alpha = square / dot(&p, &q);
+            exact.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
+            r.iter_mut().zip(&q).for_each(|(r, q)| *r -= alpha * q);
+            let beta = dot(&r, &r) / square;
+            p.iter_mut().zip(&r).for_each(|(p, r)| *p = r + beta * *p);
+        }
+        let (layout, psi) = solve(&pool, SimdClass::detect(), size, ends);
+        let mut psi = unpadded(&layout, &psi);
+        if is_singular(ends) {
+            subtract_mean(&mut psi);
+            subtract_mean(&mut exact);
+        }
+        let miss = largest(psi.iter().zip(&exact).map(|(a, b)| a - b));
+        assert!(miss < 3e-6 * largest(exact), "{ends:?}: {miss}");
+    }
+}
+
+#[test]
+fn threads_change_no_bits_and_neither_do_256_or_512() {
+    let bits = |threads, simd, size, ends| {
+        let (_, psi) = solve(&Pool::new(threads, false), simd, size, ends);
+        psi.iter().map(|psi| psi.to_bits()).collect::<Vec<_>>()
+    };
+    for (size, ends) in [([33, 24, 17], ENDS[0]), ([64, 20, 12], ENDS[6]), ([20, 40, 9], ENDS[3])] {
+        let alone = bits(1, SimdClass::Avx512, size, ends);
+        assert!(alone.iter().any(|bits| *bits != 0));
+        assert!(alone == bits(1, SimdClass::Avx2, size, ends), "{size:?}");
+        for threads in [2, 3] {
+            assert!(alone == bits(threads, SimdClass::Avx512, size, ends), "{size:?} {threads}");
+        }
+    }
+}
+
+#[test]
+fn solving_in_place_is_solving_and_leaves_the_padding_alone() {
+    let (layout, pool, simd) = (Layout::new([9, 6, 5]), Pool::inline(), SimdClass::detect());
+    let rhs = padded(&layout, &right_hand_side(layout.cells, ENDS[0]));
+    let mut poisson = Poisson::new(&layout, ENDS[0], 1);
+    let (mut psi, mut in_place) = (layout.zeros(), padded(&layout, &unpadded(&layout, &rhs)));
+    poisson.solve(&pool, simd, &rhs, &mut psi);
+    poisson.solve_in_place(&pool, simd, &mut in_place);
+    assert_eq!(psi[..], in_place[..]);
+    let inside: f32 = unpadded(&layout, &psi).iter().map(|v| v.abs() as f32).sum();
+    let all: f32 = psi.iter().map(|v| v.abs()).sum();
+    assert!(inside > 0.0 && (all - inside).abs() < 1e-4 * all);
+}

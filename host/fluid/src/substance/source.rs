@@ -1,0 +1,129 @@
+//! Pouring substances in, letting them out, and the books of both.
+
+use glam::Vec3;
+
+use super::Substances;
+use crate::solver::{Refused, flow::faces::cells, within};
+
+/// What is poured or drained reaches at least this many cells around.
+const MIN_RADIUS_CELLS: f32 = 1.5;
+
+/// A place that substances enter or leave at.
+struct Mouth {
+    centre_in_world_m: Vec3,
+    radius_m: f32,
+    /// Rate times time in the middle.
+    amount: f64,
+}
+
+impl Mouth {
+    /// The share of what could pass at a point that does: 1 - e^-amount in the middle, smoothly
+    /// less towards the radius.
+    fn share_at(&self, point_in_world_m: Vec3) -> f32 {
+        let from_centre = (point_in_world_m - self.centre_in_world_m) / self.radius_m;
+        let inside = f64::from(1.0 - from_centre.length_squared()).max(0.0);
+        -(-self.amount * inside * inside).exp_m1() as f32
+    }
+}
+
+impl Substances {
+    /// Raises the fraction of one substance around a point towards 1, at `fraction_per_s` in
+    /// the middle and smoothly less up to `radius_m` (at least 1.5 cells). Only the room that
+    /// all substances together leave is filled. An unknown substance is ignored.
+    ///
+    /// # Errors
+    /// [`Refused`] if an argument is not finite; nothing is poured then.
+    pub fn pour(
+        &mut self,
+        substance: usize,
+        centre_in_world_m: Vec3,
+        radius_m: f32,
+        fraction_per_s: f32,
+        dt_s: f64,
+    ) -> Result<(), Refused> {
+        let mouth = self.mouth(
+            centre_in_world_m,
+            radius_m,
+            ("fraction_per_s x dt_s", fraction_per_s, dt_s),
+        )?;
+        if substance >= self.all.len() || mouth.amount <= 0.0 {
+            return Ok(());
+        }
+        for (i, j, k) in cells(self.layout.cells) {
+            let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
+            if share > 0.0 && self.mask.is_liquid([i as isize, j as isize, k as isize]) {
+                let at = self.layout.index(i, j, k);
+                let filled: f32 = self.all.iter().map(|other| other.cells.fraction[at]).sum();
+                let found = &mut self.all[substance];
+                let before = found.cells.fraction[at];
+                let after = before + (1.0 - filled).max(0.0) * share;
+                found.cells.fraction[at] = after;
+                found.cells.include(i, j, k);
+                found.highest = found.highest.max(after);
+                found.poured_cells += f64::from(after) - f64::from(before);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes all substances away around a point, as a drain that draws the mixture off and lets
+    /// clear liquid in: `share_per_s` of what is there in the middle, smoothly less up to
+    /// `radius_m` (at least 1.5 cells).
+    ///
+    /// # Errors
+    /// [`Refused`] if an argument is not finite; nothing is drained then.
+    pub fn drain(
+        &mut self,
+        centre_in_world_m: Vec3,
+        radius_m: f32,
+        share_per_s: f32,
+        dt_s: f64,
+    ) -> Result<(), Refused> {
+        let mouth =
+            self.mouth(centre_in_world_m, radius_m, ("share_per_s x dt_s", share_per_s, dt_s))?;
+        if mouth.amount <= 0.0 {
+            return Ok(());
+        }
+        for (i, j, k) in cells(self.layout.cells) {
+            let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
+            let at = self.layout.index(i, j, k);
+            for found in &mut self.all {
+                let before = found.cells.fraction[at];
+                let after = before * (1.0 - share);
+                found.cells.fraction[at] = after;
+                found.drained_cells += f64::from(before) - f64::from(after);
+            }
+        }
+        Ok(())
+    }
+
+    /// Volume of one substance that was poured so far; 0 if it is unknown. With
+    /// [`Substances::drained_m3`] and what was set, it is what [`Substances::volume_m3`] comes to.
+    #[must_use]
+    pub fn poured_m3(&self, substance: usize) -> f64 {
+        let cells = self.all.get(substance).map_or(0.0, |found| found.poured_cells);
+        cells * f64::from(self.grid.cell_volume_m3())
+    }
+
+    /// Volume of one substance that was drained so far; 0 if it is unknown.
+    #[must_use]
+    pub fn drained_m3(&self, substance: usize) -> f64 {
+        let cells = self.all.get(substance).map_or(0.0, |found| found.drained_cells);
+        cells * f64::from(self.grid.cell_volume_m3())
+    }
+
+    fn mouth(
+        &self,
+        centre_in_world_m: Vec3,
+        radius_m: f32,
+        (what, rate, dt_s): (&'static str, f32, f64),
+    ) -> Result<Mouth, Refused> {
+        for coordinate in centre_in_world_m.to_array() {
+            within("centre_in_world_m", f64::from(coordinate), f64::MAX)?;
+        }
+        within("radius_m", f64::from(radius_m), f64::MAX)?;
+        let amount = within(what, f64::from(rate) * dt_s, f64::MAX)?;
+        let radius_m = radius_m.max(MIN_RADIUS_CELLS * self.grid.spacing_m);
+        Ok(Mouth { centre_in_world_m, radius_m, amount })
+    }
+}

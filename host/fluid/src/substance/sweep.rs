@@ -1,0 +1,262 @@
+//! One sweep along one axis: what leaves a cell enters the next.
+//!
+//! Of three sweeps each sees the volumes that those before it left: a cell that has lost liquid
+//! along x and will get it back along y is smaller in between (Easter 1993). So an even field
+//! stays even in a flow without divergence, whatever the order of the sweeps.
+
+use std::{array, ops::Range};
+
+use super::face::Face;
+use crate::solver::flow::field::{BLOCK, Layout, cut, cut_mut};
+
+/// Columns that a sweep works on at once, in buffers on the stack.
+const WIDTH: usize = 64;
+
+/// Less than this in a cell is nothing: the tail of a cloud would fade into subnormal numbers,
+/// which the processor computes a hundred times slower.
+pub const TRACE: f32 = 1e-12;
+
+/// A cell is never divided by less than this volume.
+const LEAST_VOLUME: f32 = 1e-6;
+
+/// One sweep.
+#[derive(Clone, Copy)]
+pub struct Sweep<'a> {
+    /// How the arrays lie.
+    pub layout: &'a Layout,
+    /// On the faces.
+    pub velocity: [&'a [f32]; 3],
+    /// 1 at open faces; `None` where all but the outermost are open.
+    pub open: Option<[&'a [f32]; 3]>,
+    /// dt / h.
+    pub dt_per_spacing_s_m: f32,
+    /// No fraction exceeds this.
+    pub highest: f32,
+    /// Along which axis.
+    pub axis: usize,
+    /// The axes that have been swept.
+    pub before: &'a [usize],
+}
+
+/// Rows of values across lines that are swept, and where to put the new ones.
+pub trait Rows {
+    /// `len` values from column `first` at place `p` of the lines.
+    fn read(&self, p: usize, first: usize, len: usize) -> &[f32];
+    /// The place for the new ones.
+    fn write(&mut self, p: usize, first: usize, len: usize) -> &mut [f32];
+}
+
+impl Sweep<'_> {
+    /// Volumes, in cells, that the sweeps `before` left of the cells from index `at`, and their
+    /// inverses.
+    #[inline(always)]
+    fn set_volumes(&self, at: usize, volumes: &mut [f32], inverses: &mut [f32]) {
+        let (len, scale) = (volumes.len(), self.dt_per_spacing_s_m);
+        let faces = |axis: usize| {
+            let stride = self.layout.strides()[axis];
+            (cut(self.velocity[axis], at, len), cut(self.velocity[axis], at + stride, len))
+        };
+        let inverses = &mut inverses[..len];
+        match *self.before {
+            [] => (volumes.fill(1.0), inverses.fill(1.0)).0,
+            [a] => {
+                let a = faces(a);
+                for i in 0..len {
+                    volumes[i] = 1.0 - scale * (a.1[i] - a.0[i]);
+                    inverses[i] = inverse(volumes[i]);
+                }
+            }
+            [a, b, ..] => {
+                let (a, b) = (faces(a), faces(b));
+                for i in 0..len {
+                    volumes[i] = (1.0 - scale * (a.1[i] - a.0[i])) - scale * (b.1[i] - b.0[i]);
+                    inverses[i] = inverse(volumes[i]);
+                }
+            }
+        }
+    }
+
+    /// New fractions from old ones, volumes, and fluxes and velocities below and above.
+    #[inline(always)]
+    fn set_next(
+        &self,
+        next: &mut [f32],
+        [old, volumes]: [&[f32]; 2],
+        flux: [&[f32]; 2],
+        velocity: [&[f32]; 2],
+    ) {
+        // After the last sweep all cells are as large as before the first.
+        let is_last = self.before.len() == 2;
+        for i in 0..next.len() {
+            let content = old[i] * volumes[i] - (flux[1][i] - flux[0][i]);
+            let net = self.dt_per_spacing_s_m * (velocity[1][i] - velocity[0][i]);
+            let fraction = if is_last { content } else { content * inverse(volumes[i] - net) };
+            next[i] = if fraction < TRACE { 0.0 } else { fraction };
+        }
+    }
+
+    /// Sweeps `columns` of one row along x, in place. Cell 0 of it is at `to` in `plane`, and at
+    /// `at` in whole arrays. Nothing passes the first face: it is a wall, or no substance is near.
+    #[inline(always)]
+    pub fn row(&self, plane: &mut [f32], to: usize, at: usize, columns: Range<usize>) {
+        let (mut behind, mut flux_behind) = ([0.0; 3], 0.0);
+        for start in columns.clone().step_by(WIDTH) {
+            let count = (columns.end - start).min(WIDTH);
+            let len = count.next_multiple_of(BLOCK);
+            // One block more than needed: whole blocks cost less than what is left of one.
+            let more = len + BLOCK;
+            let mut old = [0f32; WIDTH + BLOCK + 1];
+            old[..3].copy_from_slice(&behind);
+            old[3..][..len + 3].copy_from_slice(cut(plane, to + start, len + 3));
+            let mut steps = [0f32; WIDTH + BLOCK];
+            self.set_row_steps(&mut steps[..more], &old, at, start);
+            let (mut volumes, mut per_volume) = ([0f32; WIDTH + BLOCK], [0f32; WIDTH + BLOCK]);
+            self.set_volumes(at + start, &mut volumes[..len], &mut per_volume);
+            // The cell after the last, too.
+            self.set_volumes(at + start + len, &mut volumes[len..=len], &mut per_volume[len..]);
+            let mut flux = [0f32; WIDTH + 1];
+            flux[0] = flux_behind;
+            let u = cut(self.velocity[0], at + start, len + 2);
+            let s: [&[f32]; 5] = array::from_fn(|m| cut(&steps, m + 1, len));
+            let beside = [cut(&old, 3, len), cut(&old, 4, len)];
+            let flow = [cut(u, 0, len), cut(u, 1, len), cut(u, 2, len)];
+            let per_volume = [cut(&per_volume, 0, len), cut(&per_volume, 1, len)];
+            self.set_flux(cut_mut(&mut flux, 1, len), s, beside, flow, per_volume);
+            let mut next = [0f32; WIDTH];
+            let next = &mut next[..len];
+            let fluxes = [cut(&flux, 0, len), cut(&flux, 1, len)];
+            self.set_next(next, [beside[0], &volumes[..len]], fluxes, [flow[0], flow[1]]);
+            behind.copy_from_slice(cut(&old, count, 3));
+            flux_behind = flux[count];
+            plane[to + start..][..count].copy_from_slice(&next[..count]);
+        }
+    }
+
+    /// Differences across the faces from `start - 2` of a row, whose cells from `start - 3` are
+    /// `old`. Here is all that says what lies beyond the ends of a row: walls.
+    #[inline(always)]
+    fn set_row_steps(&self, steps: &mut [f32], old: &[f32], at: usize, start: usize) {
+        let len = steps.len();
+        let (below, above) = (cut(old, 0, len), cut(old, 1, len));
+        match self.open {
+            None => (0..len).for_each(|f| steps[f] = above[f] - below[f]),
+            Some(open) => {
+                let open = cut(open[0], at + start - 2, len);
+                (0..len).for_each(|f| steps[f] = open[f] * (above[f] - below[f]));
+            }
+        }
+        steps[..3usize.saturating_sub(start)].fill(0.0);
+        steps[(self.layout.cells[0] + 2 - start).min(len)..].fill(0.0);
+    }
+
+    #[inline(always)]
+    fn set_flux(
+        &self,
+        flux: &mut [f32],
+        s: [&[f32]; 5],
+        beside: [&[f32]; 2],
+        flow: [&[f32]; 3],
+        per_volume: [&[f32]; 2],
+    ) {
+        let (scale, highest) = (self.dt_per_spacing_s_m, self.highest);
+        for i in 0..flux.len() {
+            let face = Face {
+                steps: [s[0][i], s[1][i], s[2][i], s[3][i], s[4][i]],
+                beside: [beside[0][i], beside[1][i]],
+                flow: [scale * flow[0][i], scale * flow[1][i], scale * flow[2][i]],
+                per_volume: [per_volume[0][i], per_volume[1][i]],
+                highest,
+            };
+            flux[i] = face.flux();
+        }
+    }
+
+    /// Sweeps cells `places` of `columns` lines along y or z; the first cell of the first line
+    /// is at `at` in whole arrays.
+    #[inline(always)]
+    pub fn lines(&self, rows: &mut impl Rows, at: usize, columns: usize, places: Range<usize>) {
+        for first in (0..columns).step_by(WIDTH) {
+            let count = (columns - first).min(WIDTH);
+            self.strip(rows, at + first, first, count, places.clone());
+        }
+    }
+
+    #[inline(always)]
+    fn strip(
+        &self,
+        rows: &mut impl Rows,
+        at: usize,
+        first: usize,
+        count: usize,
+        places: Range<usize>,
+    ) {
+        let len = count.next_multiple_of(BLOCK);
+        let (n, stride) = (self.layout.cells[self.axis], self.layout.strides()[self.axis]);
+        let velocity = |face: usize| cut(self.velocity[self.axis], at + face * stride, len);
+        // Step across face f, volumes of cell f, flux through face f: in row f modulo the number.
+        let mut steps = [[0f32; WIDTH]; 8];
+        let (mut volumes, mut per_volume) = ([[1f32; WIDTH]; 2], [[1f32; WIDTH]; 2]);
+        let mut flux = [[0f32; WIDTH]; 2];
+        for face in places.start.saturating_sub(2)..places.start + 2 {
+            self.set_line_steps(&mut steps[face % 8][..len], &*rows, at, first, face);
+        }
+        for face in places.start.saturating_sub(1)..=places.end {
+            let (this, other) = (face % 2, (face + 1) % 2);
+            if face < n {
+                let inverses = &mut per_volume[this];
+                self.set_volumes(at + face * stride, &mut volumes[this][..len], inverses);
+            }
+            if face < places.start {
+                continue;
+            }
+            self.set_line_steps(&mut steps[(face + 2) % 8][..len], &*rows, at, first, face + 2);
+            let s = array::from_fn(|m| &steps[(face + 6 + m) % 8][..len]);
+            let beside =
+                [rows.read(face.max(1) - 1, first, len), rows.read(face.min(n - 1), first, len)];
+            let flow = [
+                cut(self.velocity[self.axis], at + face * stride - stride, len),
+                velocity(face),
+                velocity((face + 1).min(n)),
+            ];
+            let per_volume = [&per_volume[other][..len], &per_volume[this][..len]];
+            self.set_flux(&mut flux[this][..len], s, beside, flow, per_volume);
+            if face > places.start {
+                let mut next = [0f32; WIDTH];
+                let fluxes = [&flux[other][..len], &flux[this][..len]];
+                let old = [beside[0], &volumes[other][..len]];
+                self.set_next(&mut next[..len], old, fluxes, [flow[0], flow[1]]);
+                rows.write(face - 1, first, count).copy_from_slice(&next[..count]);
+            }
+        }
+    }
+
+    /// Differences across one face of the lines. Here is all that says what lies beyond the ends
+    /// of a line: walls.
+    #[inline(always)]
+    fn set_line_steps(
+        &self,
+        steps: &mut [f32],
+        rows: &impl Rows,
+        at: usize,
+        first: usize,
+        face: usize,
+    ) {
+        let len = steps.len();
+        if face == 0 || face >= self.layout.cells[self.axis] {
+            steps.fill(0.0);
+            return;
+        }
+        let (below, above) = (rows.read(face - 1, first, len), rows.read(face, first, len));
+        (0..len).for_each(|i| steps[i] = above[i] - below[i]);
+        if let Some(open) = self.open {
+            let open = cut(open[self.axis], at + face * self.layout.strides()[self.axis], len);
+            (0..len).for_each(|i| steps[i] *= open[i]);
+        }
+    }
+}
+
+/// 1 / volume, or 0 where hardly any is left: there is nothing in it then.
+#[inline(always)]
+fn inverse(volume: f32) -> f32 {
+    if volume > LEAST_VOLUME { 1.0 / volume } else { 0.0 }
+}
