@@ -20,6 +20,7 @@ Examples:
   cauldron run --json --fps 0               the figures alone, as one line of JSON
   cauldron scenes                           what there is to stir
   cauldron bench fluid --quick              our solver against the founding one
+  cauldron torture fluid --seeds 50         our solver against jerks, jumps and extremes
 
 Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the device failed.";
 
@@ -36,6 +37,12 @@ pub enum Command {
         /// What to measure.
         #[command(subcommand)]
         group: BenchGroup,
+    },
+    /// Does its worst to what moves, seed by seed.
+    Torture {
+        /// What to torture.
+        #[command(subcommand)]
+        group: TortureGroup,
     },
 }
 
@@ -130,6 +137,71 @@ pub struct BenchArgs {
     /// Draws work-precision diagrams into this folder
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
+}
+
+/// What can be tortured.
+#[derive(Debug, Subcommand)]
+pub enum TortureGroup {
+    /// The flow solver: seeds 0 to 7 are fixed corners, the rest is drawn
+    #[command(after_help = TORTURE_EXAMPLES)]
+    Fluid(TortureArgs),
+}
+
+const TORTURE_EXAMPLES: &str = "\
+Examples:
+  cauldron torture fluid --seeds 50
+  cauldron torture fluid --seeds 1000 --shard 3/16 --json > part-3.jsonl
+  cauldron torture fluid --merge part-*.jsonl
+  cauldron torture fluid --seed 1234
+
+Shard I/N, I from 1 to N, takes every N-th seed from seed I - 1 on. The last line of --json
+sums a run up; --merge reads those lines, and fails if a seed failed or a corner was left out.";
+
+/// Arguments of `torture`.
+#[derive(Args, Clone, Debug)]
+pub struct TortureArgs {
+    /// Number of seeds, from 0 on; at least the corners
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u64).range(8..))]
+    pub seeds: u64,
+    /// Only this seed
+    #[arg(long, conflicts_with_all = ["seeds", "shard"])]
+    pub seed: Option<u64>,
+    /// Only this part of the seeds
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Runs nothing: sums up the outputs of all shards
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["seeds", "seed", "shard"])]
+    pub merge: Vec<PathBuf>,
+    /// Prints a JSON object for each seed, and one that sums them up
+    #[arg(long)]
+    pub json: bool,
+    /// Threads of the fluid; by default as many as there are cores, at most 2
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub threads: Option<u16>,
+    /// Vector width of the fluid, by default the widest there is: portable, avx2 or avx512
+    #[arg(long, value_parser = simd_class)]
+    pub simd: Option<SimdClass>,
+}
+
+/// Part `index` of `count`, both counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1 to `count`.
+    pub index: u64,
+    /// Number of parts.
+    pub count: u64,
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parsed = text.split_once('/').and_then(|(index, count)| {
+        Some(Shard { index: index.parse().ok()?, count: count.parse().ok()? })
+    });
+    let shard = parsed.ok_or(format!("'{text}' is not two numbers, as in 3/16"))?;
+    if (1..=shard.count).contains(&shard.index) {
+        Ok(shard)
+    } else {
+        Err("shards are counted from 1".into())
+    }
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

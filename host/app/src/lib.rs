@@ -13,6 +13,7 @@ pub mod ledger;
 pub mod run;
 pub mod scenes;
 pub mod sim;
+pub mod torture;
 pub mod world;
 
 pub use failure::Failure;

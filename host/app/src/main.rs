@@ -1,6 +1,6 @@
 //! The program: parses, runs, says how it went.
 
-use cauldron::{bench, cli, cli::Command, run, scenes};
+use cauldron::{bench, cli, cli::Command, run, scenes, torture};
 use clap::Parser;
 use std::process::ExitCode;
 
@@ -10,6 +10,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Scenes(args) => scenes::list(&args),
         Command::Bench { group: cli::BenchGroup::Fluid(args) } => bench::fluid(&args),
+        Command::Torture { group: cli::TortureGroup::Fluid(args) } => torture::fluid(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

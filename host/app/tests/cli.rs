@@ -89,6 +89,10 @@ fn wrong_usage_is_exit_code_two() {
         &["run", "--simd", "mmx"],
         &["run", "--device", "usb"],
         &["sing"],
+        &["torture", "fluid", "--seeds", "7"],
+        &["torture", "fluid", "--shard", "3/2"],
+        &["torture", "fluid", "--shard", "0/2"],
+        &["torture", "fluid", "--seed", "9", "--shard", "1/2"],
     ] {
         assert_eq!(cauldron(&scratch.0, args).status.code(), Some(2), "{args:?}");
     }
@@ -103,6 +107,41 @@ fn help_shows_examples_and_scenes_are_listed() {
     }
     let list = String::from_utf8(cauldron(&scratch.0, &["scenes"]).stdout).unwrap();
     assert!(["cauldron", "empty", "taylor-green"].iter().all(|s| list.contains(s)), "{list}");
+}
+
+#[test]
+fn a_seed_of_torture_is_a_row_and_shards_are_summed_up() {
+    let scratch = Scratch::new("torture");
+    let dir = &scratch.0;
+    let output = cauldron(dir, &["torture", "fluid", "--seed", "4", "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains("seed 4 (1 of 1"));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<Value> = text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!((lines.len(), &lines[0]["case"]), (2, &Value::from("2^3")));
+    assert_eq!((&lines[0]["value"], &lines[0]["pass"]), (&Value::from(0.0), &Value::from(true)));
+    assert_eq!(lines[0]["replay"], "cauldron torture fluid --seed 4");
+    assert!(lines[0]["params"]["energy_excess"].is_f64());
+    let mut part = lines[1].clone();
+    for (name, ran, failed) in [
+        ("even", vec![0, 2, 4, 6, 8], vec![]),
+        ("odd", vec![1, 3, 5, 7], vec![]),
+        ("bad", vec![1, 3, 5, 7], vec![5]),
+    ] {
+        part["summary"]["seeds"] = 9.into();
+        part["summary"]["ran"] = ran.into();
+        part["summary"]["failed"] = failed.into();
+        fs::write(dir.join(name), part.to_string() + "\n").unwrap();
+    }
+    fs::write(dir.join("torn"), "{\"group\": \"tor").unwrap();
+    let merge = |files: &[&str]| cauldron(dir, &[&["torture", "fluid", "--merge"], files].concat());
+    assert_eq!(merge(&["even", "odd"]).status.code(), Some(0));
+    assert_eq!(merge(&["even", "bad"]).status.code(), Some(1));
+    let alone = merge(&["odd"]);
+    assert_eq!(alone.status.code(), Some(1));
+    assert!(stderr(&alone).contains("corners left out: 96^3"), "{}", stderr(&alone));
+    refuses(dir, &["torture", "fluid", "--merge", "even", "torn"], &["torn", "last line"]);
+    refuses(dir, &["torture", "fluid", "--merge", "none"], &["none", "cannot read"]);
 }
 
 /// What the whole program promises of its default scene.

@@ -14,6 +14,7 @@ pub mod snapshot;
 pub mod solver;
 pub mod substance;
 pub mod surface;
+pub mod torture;
 pub mod vessel;
 
 pub use grid::Grid;

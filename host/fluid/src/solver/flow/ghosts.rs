@@ -93,23 +93,6 @@ impl Ghosts {
         })
     }
 
-    /// Sets the velocity of the sides that impose one to `value(axis, component, point)`, the
-    /// point being that of the padded index (i, j, k) with the axis left out.
-    pub fn drive(&mut self, axis: usize, end: usize, value: impl Fn(usize, [usize; 2]) -> f32) {
-        let [nx, ny, nz] = self.layout.cells.map(|n| n + 2);
-        let (row, rows) = [(ny, nz), (nx, nz), (self.layout.row, ny)][axis];
-        let row_used = [ny, nx, nx][axis];
-        if let Rule::Sticks(values) = &mut self.rules[axis][end] {
-            let len = [ny * nz, nx * nz, self.layout.plane][axis];
-            let values = values.get_or_insert_with(|| [(); 3].map(|()| vec![0.0; len]));
-            for (c, values) in values.iter_mut().enumerate() {
-                for (a, b) in (0..rows).flat_map(|b| (0..row_used).map(move |a| (a, b))) {
-                    values[b * row + a] = value(c, [a, b]);
-                }
-            }
-        }
-    }
-
     /// Fills what lies beyond x and y in plane `k` of component `c`.
     pub fn fill_plane(&self, c: usize, k: usize, plane: &mut [f32], fill: Fill) {
         let (layout, [nx, ny, _]) = (&self.layout, self.layout.cells);

@@ -55,6 +55,22 @@ const MAX_SPEED_M_S: f32 = 1e4;
 /// No acceleration is accepted above this.
 const MAX_ACCELERATION_M_S2: f64 = 1e6;
 
+/// Narrowest and widest cell that is accepted: between them no power of it leaves f32.
+const SPACING_M: std::ops::RangeInclusive<f32> = 1e-9..=1e6;
+
+fn check_grid(grid: &Grid) -> Result<(), Refused> {
+    if !SPACING_M.contains(&grid.spacing_m) {
+        return Err(Refused { what: "spacing_m", value: f64::from(grid.spacing_m) });
+    }
+    if grid.is_empty() {
+        return Err(Refused { what: "cells of the grid", value: 0.0 });
+    }
+    for value in grid.origin_in_world_m.to_array() {
+        within("origin_in_world_m", f64::from(value), 1e9)?;
+    }
+    Ok(())
+}
+
 /// Incompressible flow in a vessel.
 pub struct Flow {
     grid: Grid,
@@ -101,9 +117,11 @@ impl Flow {
     /// Liquid at rest.
     ///
     /// # Errors
-    /// [`SetupError`] if density or viscosity are negative, not finite or above 10^6, or the
-    /// sides make no sense together.
+    /// [`SetupError`] if the grid has no cell or one narrower than a nanometre or wider than
+    /// 1000 km, its origin is not finite, density or viscosity are negative, not finite or above
+    /// 10^6, or the sides make no sense together.
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
+        check_grid(&setup.grid)?;
         let [nx, ny, nz] = setup.grid.cells;
         setup.sides.check([ny * nz, nx * nz, nx * ny])?;
         let density_kg_m3 = not_negative("density_kg_m3", setup.density_kg_m3)?;

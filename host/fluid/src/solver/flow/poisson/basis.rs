@@ -30,6 +30,7 @@ pub enum End {
 
 impl Ends {
     /// A box's walls.
+    #[cfg(test)]
     pub const CLOSED: Self = Self::Between([End::Closed; 2]);
 
     /// True if the axis looks the same from both of its ends.

@@ -1,0 +1,181 @@
+//! What a liquid may have: the account of its energy and of its substances.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::world::World;
+use crate::solver::Solver;
+
+/// Energy above the account, as a part of it, that is rounding and the solver's own slack: its
+/// guard acts at half of this.
+pub const ENERGY_SLACK: f64 = 2e-3;
+
+/// Mass of a substance that may be lost or made, as a part of what was poured.
+pub const MASS_SLACK: f64 = 1e-5;
+
+/// How far rounding, and what a projection leaves of divergence, may carry a fraction out of 0
+/// to 1.
+pub const FRACTION_SLACK: f64 = 1e-5;
+
+/// No velocity may be above this: what the crate says it never keeps, and its rounding.
+pub const SPEED_CAP_M_S: f64 = 1e4 * (1.0 + 1e-6);
+
+/// A grid of at most this many cells is inspected value by value at every step ...
+const SMALL_CELLS: usize = 1 << 15;
+
+/// ... a larger one at each of so many.
+const INSPECT_EVERY: usize = 20;
+
+/// The account of one run. The worst of each figure is kept; a check that failed says when it
+/// first did.
+pub struct Books {
+    /// Worst figures by name.
+    pub worst: BTreeMap<&'static str, f64>,
+    /// What failed, once each.
+    pub failures: BTreeMap<&'static str, String>,
+    /// Energy that came from nowhere so far.
+    excess_j: f64,
+    /// Half the mass-weighted sum of the squared acceleration: what it gives from rest in 1 s.
+    force_j_s2: f64,
+    fractions: Vec<f32>,
+}
+
+impl Books {
+    /// Opens the account of a world.
+    pub fn open(world: &World<'_>) -> Self {
+        let mut squares = 0.0;
+        world.flow.visit(&mut |point: DVec3, c, _| {
+            squares += world.acceleration_m_s2(point)[c].powi(2);
+        });
+        Self {
+            worst: BTreeMap::new(),
+            failures: BTreeMap::new(),
+            excess_j: 0.0,
+            force_j_s2: 0.5 * squares * world.flow.cell_mass_kg(),
+            fractions: vec![0.0; world.case.grid.len()],
+        }
+    }
+
+    /// Enters a figure of which at most `limit` is allowed. Whatever is not a number fails.
+    pub fn check(&mut self, what: &'static str, value: f64, limit: f64, step: usize) {
+        let worst = self.worst.entry(what).or_insert(value);
+        *worst = if value > *worst || value.is_nan() { value } else { *worst };
+        if !(value <= limit) {
+            let told = || format!("{what} = {value:.3e} in step {step}, at most {limit:.0e}");
+            self.failures.entry(what).or_insert_with(told);
+        }
+    }
+
+    /// Keeps the sum of a figure that is not checked.
+    pub fn count(&mut self, what: &'static str, value: f64) {
+        *self.worst.entry(what).or_insert(0.0) += value;
+    }
+
+    /// Keeps the largest of a figure that is not checked.
+    pub fn most(&mut self, what: &'static str, value: f64) {
+        self.check(what, value, f64::MAX, 0);
+    }
+
+    /// Enters the energy around a step in which the force had at most this scale. What forces
+    /// gave is at most what Cauchy and Schwarz allow for:
+    /// sqrt(E) grows by dt sqrt(sum rho h^3 f^2 / 2). Gains of several steps add up, so that
+    /// none is too small to be seen. Sides that drive give what they like.
+    pub fn energy(&mut self, world: &World<'_>, [before, after]: [f64; 2], push_s: f64, at: usize) {
+        if !after.is_finite() {
+            self.check("not_finite", f64::NAN, 0.0, at);
+        }
+        if world.case.sides.drive() {
+            return;
+        }
+        let allowed = (before.sqrt() + push_s * self.force_j_s2.sqrt()).powi(2);
+        self.excess_j = (self.excess_j + after - allowed).max(0.0);
+        let share = if self.excess_j == 0.0 { 0.0 } else { self.excess_j / allowed };
+        self.check("energy_excess", share, ENERGY_SLACK, at);
+    }
+
+    /// Compares what the cells hold of each substance with what was poured and drained. Where
+    /// liquid may leave, it takes what it holds along: there only a gain is a mistake.
+    pub fn mass(&mut self, world: &World<'_>, at: usize) {
+        let cell_m3 = f64::from(world.case.grid.cell_volume_m3());
+        for index in 0..world.substances.len() {
+            // Not the volume that the crate tells: that counts what no cell holds.
+            world.substances.copy_fraction(index, &mut self.fractions);
+            let held_m3 = cell_m3 * self.fractions.iter().map(|f| f64::from(*f)).sum::<f64>();
+            let poured_m3 = world.substances.poured_m3(index);
+            let gained_m3 = held_m3 + world.substances.drained_m3(index) - poured_m3;
+            let gain = gained_m3 / poured_m3.max(f64::MIN_POSITIVE);
+            let error = if world.case.has_openings() { gain.max(0.0) } else { gain.abs() };
+            self.check("mass_error", error, MASS_SLACK, at);
+        }
+    }
+
+    /// Looks at every value that is stored: in each step of a small grid, in some of a large
+    /// one.
+    pub fn inspect(&mut self, world: &World<'_>, at: usize) {
+        let is_small = world.case.grid.len() <= SMALL_CELLS;
+        let is_due = at.is_multiple_of(INSPECT_EVERY) || at + 1 >= world.case.steps;
+        if !is_small && !is_due {
+            return;
+        }
+        let (mut fastest, mut strange) = (0f64, 0);
+        world.flow.visit(&mut |_, _, value| {
+            fastest = fastest.max(value.abs());
+            strange += usize::from(!value.is_finite());
+        });
+        self.check("not_finite", strange as f64, 0.0, at);
+        self.check("speed_m_s", fastest, SPEED_CAP_M_S, at);
+        for index in 0..world.substances.len() {
+            world.substances.copy_fraction(index, &mut self.fractions);
+            let outside = |f: &f32| f64::from((f - 1.0).max(-f));
+            let strange = self.fractions.iter().filter(|f| !f.is_finite()).count();
+            let furthest = self.fractions.iter().map(outside).fold(0.0, f64::max);
+            self.check("not_finite", strange as f64, 0.0, at);
+            self.check("fraction_outside", furthest, FRACTION_SLACK, at);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::{pool::Pool, simd::SimdClass, torture::draw::Case};
+
+    #[test]
+    fn what_is_made_from_nothing_is_found() {
+        let mut case = Case::of_seed(2);
+        case.set_cells([5, 4, 6], false);
+        let mut world =
+            World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
+        let mut books = Books::open(&world);
+        books.energy(&world, [1.0, 1.001], 0.0, 0);
+        books.energy(&world, [1.001, 1.001], 0.0, 1);
+        assert!(books.failures.is_empty());
+        books.energy(&world, [1.001, 1.0025], 0.0, 2);
+        assert!(books.failures["energy_excess"].contains("in step 2"), "{:?}", books.failures);
+        // What is poured beside the books was made from nothing.
+        world.substances.set_fraction(0, |_| 0.5).expect("in range");
+        books.mass(&world, 3);
+        assert!(books.failures.contains_key("mass_error"));
+        books.energy(&world, [1.0, f64::NAN], 0.0, 4);
+        assert!(books.failures.contains_key("not_finite"));
+        books.check("speed_m_s", f64::NAN, SPEED_CAP_M_S, 5);
+        assert!(books.failures.contains_key("speed_m_s") && books.worst["speed_m_s"].is_nan());
+    }
+
+    #[test]
+    fn a_force_may_give_what_it_gives_from_rest_and_no_more() {
+        let mut case = Case::of_seed(2);
+        case.set_cells([5, 4, 6], false);
+        let world =
+            World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
+        let mut books = Books::open(&world);
+        let from_rest_j = books.force_j_s2 * 0.01;
+        books.energy(&world, [0.0, from_rest_j], 0.1, 0);
+        assert!(books.failures.is_empty() && from_rest_j > 0.0);
+        books.energy(&world, [0.0, 1.01 * from_rest_j], 0.1, 1);
+        assert!(books.failures.contains_key("energy_excess"));
+    }
+}

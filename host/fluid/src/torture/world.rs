@@ -1,0 +1,174 @@
+//! The liquid of a case, and all that is done to it, through nothing but the crate's public API.
+//!
+//! What a case draws and the solver has no API for yet is named in [`NOT_TAKEN`]: this file is
+//! the one place to give it to the solver once it has.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use oorandom::Rand64;
+
+use super::draw::{Case, direction, log_uniform};
+use crate::{
+    pool::Pool,
+    simd::SimdClass,
+    solver::{Refused, Setup, SetupError, Solver, StepReport, flow::Flow},
+    substance::{Substances, TransportReport},
+};
+
+/// Farthest that a push reaches, in cells.
+const WIDEST_PUSH_CELLS: f64 = 8.0;
+
+/// Steps in which the body force is on, and then off.
+const FORCE_BLOCK: usize = 8;
+
+/// What is drawn and not taken yet.
+pub const NOT_TAKEN: &[(&str, fn(&Case) -> bool)] = &[
+    ("density of substances, by the flow", |case| !case.substances.is_empty()),
+    ("viscosity of substances, by the flow", |case| !case.substances.is_empty()),
+    ("obstacles", |case| case.obstacle.is_some()),
+];
+
+/// A case that runs.
+pub struct World<'a> {
+    /// What is done.
+    pub case: &'a Case,
+    /// What the flow was made from.
+    pub setup: Setup,
+    /// The liquid.
+    pub flow: Flow,
+    /// What is in it.
+    pub substances: Substances,
+    draws: Rand64,
+}
+
+impl<'a> World<'a> {
+    /// The liquid of a case in its first flow, which is free of divergence.
+    ///
+    /// # Errors
+    /// [`SetupError`] if the solver refuses the case.
+    pub fn new(case: &'a Case, pool: &Arc<Pool>, simd: SimdClass) -> Result<Self, SetupError> {
+        let setup = Setup {
+            density_kg_m3: case.density_kg_m3,
+            viscosity_m2_s: case.viscosity_m2_s,
+            sides: case.sides,
+            walls: case.walls,
+            pool: Arc::clone(pool),
+            simd,
+            ..Setup::new(case.grid, case.vessel.clone())
+        };
+        let properties: Vec<_> = case.substances.iter().map(|s| s.properties).collect();
+        let mut world = Self {
+            case,
+            flow: Flow::new(&setup)?,
+            substances: Substances::new(&setup, &properties),
+            setup,
+            // Not the stream that the case itself was drawn from.
+            draws: Rand64::new(u128::from(case.seed) ^ (1 << 100)),
+        };
+        let (per_m, speed_m_s) = (world.wave_per_m(), case.speed_m_s() / 3.0);
+        world.flow.set_velocity(&|p| speed_m_s * swirl(per_m * p))?;
+        world.flow.project();
+        world.flow.set_force(&|p| case.acceleration_m_s2 * swirl(2.0 * per_m * p))?;
+        Ok(world)
+    }
+
+    /// A few waves along each edge.
+    fn wave_per_m(&self) -> DVec3 {
+        let waves = self.case.grid.cells.map(|n| (n as f64 / 4.0).clamp(0.5, 3.0));
+        std::f64::consts::TAU * DVec3::from_array(waves) / self.case.grid.extent_m().as_dvec3()
+    }
+
+    /// The acceleration at a point while the force is on.
+    pub fn acceleration_m_s2(&self, point: DVec3) -> DVec3 {
+        self.case.acceleration_m_s2 * swirl(2.0 * self.wave_per_m() * point)
+    }
+
+    /// Somewhere in the box, or a little beside it.
+    fn place(&mut self) -> Vec3 {
+        let mut share = || 1.1 * self.draws.rand_float() as f32 - 0.05;
+        let share = Vec3::new(share(), share(), share());
+        self.case.grid.origin_in_world_m + share * self.case.grid.extent_m()
+    }
+
+    /// A push that changes the mean velocity around a point at once. Returns true if it did.
+    pub fn jerk(&mut self, step: usize) -> Result<bool, Refused> {
+        if !step.is_multiple_of(self.case.jerk_every) {
+            return Ok(false);
+        }
+        let at = self.place();
+        let cells = log_uniform(&mut self.draws, [1.0, WIDEST_PUSH_CELLS]) as f32;
+        let radius_m = cells * self.case.grid.spacing_m;
+        let change_m_s = direction(&mut self.draws).as_dvec3() * self.case.jerk_m_s;
+        let mass_kg = self.flow.effective_mass_kg(at, radius_m);
+        // Out of the liquid's reach any push has to be as good as none.
+        let mass_kg = if mass_kg.is_finite() { mass_kg } else { 1.0 };
+        self.flow.push(at, radius_m, change_m_s * mass_kg)?;
+        Ok(true)
+    }
+
+    /// Turns the body force on and off. Returns the largest scale within the next step.
+    pub fn force(&mut self, step: usize) -> Result<f64, Refused> {
+        let is_on = |step: usize| (step / FORCE_BLOCK) % 2 == 1;
+        let [start, end] = [step, step + 1].map(|step| f64::from(u8::from(is_on(step))));
+        self.flow.scale_force(start, end)?;
+        Ok(if self.case.acceleration_m_s2 > 0.0 { start.max(end) } else { 0.0 })
+    }
+
+    /// Turns the sources on at every even step, and the drain at every odd one.
+    pub fn pour_or_drain(&mut self, step: usize) -> Result<(), Refused> {
+        let (dt_s, radius_m) = (self.case.dt_s, 3.0 * self.case.grid.spacing_m);
+        for (index, substance) in self.case.substances.iter().enumerate() {
+            let at = self.place();
+            let rate_per_s = (substance.poured_per_step / dt_s) as f32;
+            if step.is_multiple_of(2) {
+                self.substances.pour(index, at, radius_m, rate_per_s, dt_s)?;
+            } else if index == 0 {
+                self.substances.drain(at, radius_m, rate_per_s, dt_s)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where an obstacle is to jump, once the solver takes any: draws its next place.
+    pub fn jump_obstacle(&mut self, step: usize) {
+        if self.case.obstacle.is_some_and(|o| step.is_multiple_of(o.jumps_every)) {
+            let _centre_in_world_m = self.place();
+        }
+    }
+
+    /// Advances the liquid, and what is in it with it.
+    pub fn step(&mut self, dt_s: f64) -> Result<(StepReport, TransportReport), Refused> {
+        let report = self.flow.step(dt_s)?;
+        Ok((report, self.substances.step(&self.flow, dt_s)?))
+    }
+
+    /// Stops the force: what is left comes to rest.
+    pub fn leave_alone(&mut self) -> Result<(), Refused> {
+        self.flow.scale_force(0.0, 0.0)
+    }
+
+    /// All that is stored, as one number that any changed bit changes.
+    pub fn fingerprint(&self) -> u64 {
+        // FNV-1a (Fowler, Noll, Vo), by values instead of bytes.
+        let mix = |hash: u64, bits: u64| (hash ^ bits).wrapping_mul(0x0100_0000_01b3);
+        let mut hash = 0xcbf2_9ce4_8422_2325;
+        self.flow.visit(&mut |_, _, value| hash = mix(hash, value.to_bits()));
+        let mut fractions = vec![0.0; self.case.grid.len()];
+        for index in 0..self.substances.len() {
+            self.substances.copy_fraction(index, &mut fractions);
+            hash = fractions.iter().fold(hash, |hash, f| mix(hash, u64::from(f.to_bits())));
+        }
+        hash
+    }
+
+    /// A draw for whoever tortures this world.
+    pub fn draw(&mut self, below: usize) -> usize {
+        self.draws.rand_range(0..below as u64) as usize
+    }
+}
+
+/// Three waves that are nowhere above 1, free of divergence.
+fn swirl(phase: DVec3) -> DVec3 {
+    DVec3::new(phase.y.sin(), phase.z.cos(), phase.x.sin())
+}
