@@ -22,8 +22,11 @@ const WIDEST_PUSH_CELLS: f64 = 8.0;
 /// Steps in which the body force is on, and then off.
 const FORCE_BLOCK: usize = 8;
 
+/// Something that is drawn, and whether a case has it.
+type Drawn = (&'static str, fn(&Case) -> bool);
+
 /// What is drawn and not taken yet.
-pub const NOT_TAKEN: &[(&str, fn(&Case) -> bool)] = &[
+pub const NOT_TAKEN: &[Drawn] = &[
     ("density of substances, by the flow", |case| !case.substances.is_empty()),
     ("viscosity of substances, by the flow", |case| !case.substances.is_empty()),
     ("obstacles", |case| case.obstacle.is_some()),
