@@ -1,8 +1,11 @@
 //! Rows and targets as lines for people.
 
-use cauldron_fluid::bench::{
-    Param, Row,
-    target::{Target, verdicts},
+use cauldron_fluid::{
+    bench::{
+        Param, Row,
+        target::{Target, verdicts},
+    },
+    simd::SimdClass,
 };
 
 /// What a row is of.
@@ -61,8 +64,9 @@ fn part(ratio: f64) -> String {
 
 /// A line for each target: what was measured, and whether that will do.
 pub fn targets(rows: &[Row]) -> Vec<String> {
-    let with = rows.iter().find_map(|row| row.simd).unwrap_or("");
-    let head = ["".to_owned(), format!("targets ({with})")];
+    let simd = rows.iter().find_map(|row| row.simd).and_then(SimdClass::parse);
+    let simd = simd.unwrap_or(SimdClass::Portable);
+    let head = [String::new(), format!("targets of ours with {}", simd.name())];
     let lines = verdicts(rows).into_iter().map(|verdict| {
         let mark = match verdict.row.and_then(|row| row.pass) {
             Some(true) => "\u{2713}   ",
@@ -70,16 +74,17 @@ pub fn targets(rows: &[Row]) -> Vec<String> {
             None => "-   ",
         };
         let came = verdict.row.map_or("not in this run".to_owned(), measured);
-        format!("{mark} {:<58} {came}", asked(verdict.target, verdict.row))
+        format!("{mark} {:<76} {came}", asked(verdict.target, simd))
     });
     head.into_iter().chain(lines).collect()
 }
 
-fn asked(target: &Target, row: Option<&Row>) -> String {
+fn asked(target: &Target, simd: SimdClass) -> String {
     let n = target.n.map_or(String::new(), |n| format!(" n={n}"));
     let cfl = target.cfl.map_or(String::new(), |cfl| format!(" CFL {cfl}"));
-    let ratio = row.and_then(|row| row.number("ratio_target"));
-    let time = ratio.map_or(String::new(), |ratio| format!(" in {} of the time", part(ratio)));
+    let time = target
+        .ratio(simd)
+        .map_or(String::new(), |ratio| format!(" in {} of the time", part(ratio)));
     format!("{}{n}{cfl}: {} <= {:.2e}{time}", target.case, target.quantity, target.at_most)
 }
 

@@ -126,8 +126,8 @@ pub fn divergent(point: DVec3) -> DVec3 {
     taylor_green(point) + gradient(point) / PI
 }
 
-/// A dozen free waves of seeded strength, none shorter than half the box; nowhere much faster
-/// than 1 m/s. Its divergence is for a projection to take out.
+/// A dozen free waves of seeded strength, none shorter than half the box, together nowhere
+/// faster than 1 m/s along an axis. Their divergence is for a projection to take out.
 #[must_use]
 pub fn smooth(point: DVec3) -> DVec3 {
     let mut seed = 1u32;
@@ -138,7 +138,7 @@ pub fn smooth(point: DVec3) -> DVec3 {
     };
     (0..12).fold(DVec3::ZERO, |sum, _| {
         let waves = DVec3::new(draw(), draw(), draw()).map(|share| (4.0 * share).floor() + 1.0);
-        let strength = DVec3::new(draw(), draw(), draw()) - 0.5;
+        let strength = 0.47 * (DVec3::new(draw(), draw(), draw()) - 0.5);
         let (s, c) = ((PI * waves * point).map(f64::sin), (PI * waves * point).map(f64::cos));
         sum + strength * DVec3::new(s.x * c.y * c.z, c.x * s.y * c.z, c.x * c.y * s.z)
     })

@@ -144,8 +144,6 @@ pub struct Measured {
     pub outcome: Outcome,
     /// Median CPU time of a step.
     pub ms: f64,
-    /// Median wall time of a step.
-    pub wall_ms: f64,
     /// Median of the ratios to the founding solver's time just before, per cell ...
     pub ratio: f64,
     /// ... and of the wall's time to that.
@@ -190,13 +188,12 @@ fn summary(method: &'static str, n: usize, mut runs: Vec<(f64, Outcome)>) -> Opt
     let per_cell =
         |founding_ms: f64, run: &Outcome| n.pow(3) as f64 / run.cells.max(1) as f64 / founding_ms;
     let cpu_ms = of(&|_, run| ms(run.spent.cpu, run));
-    let wall_ms = of(&|_, run| ms(run.spent.wall, run));
     let ratio = of(&|founding_ms, run| ms(run.spent.cpu, run) * per_cell(founding_ms, run));
     let wall_ratio = of(&|founding_ms, run| ms(run.spent.wall, run) * per_cell(founding_ms, run));
     // It is its own measure.
     let ratio = if method == "founding" { 1.0 } else { ratio };
     let (_, outcome) = runs.pop()?;
-    Some(Measured { method, outcome, ms: cpu_ms, wall_ms, ratio, wall_ratio })
+    Some(Measured { method, outcome, ms: cpu_ms, ratio, wall_ratio })
 }
 
 /// The middle one, or the upper of the two in the middle; 0 of none.

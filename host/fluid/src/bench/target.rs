@@ -36,7 +36,8 @@ pub const TARGETS: &[Target] = &[
     Target { cfl: Some(0.2), speedup: Some(115.0), ..target("mms", "rel_l2", 64, 4.9e-4) },
     target("mms", "wall_ratio_to_founding", 64, 1.0 / 185.0),
     target("taylor-green", "rel_l2", 32, 1.6e-4),
-    target("taylor-green-drift", "rel_l2", 32, 2.0e-2),
+    // Second-order central fluxes have 1.16e-2 (and 4.6e-2 at 16): a fifth more.
+    target("taylor-green-drift", "rel_l2", 32, 1.4e-2),
     target("divergence", "after_over_before", 16, 1e-5),
     Target { speedup: Some(40.0), ..target("divergence", "after_over_before", 32, 1e-5) },
     target("divergence", "after_over_before", 64, 4e-5),
@@ -113,18 +114,17 @@ pub struct Verdict<'a> {
 /// One verdict for each target.
 #[must_use]
 pub fn verdicts(rows: &[Row]) -> Vec<Verdict<'_>> {
+    // How much of what it may be its value or its time is.
     let share = |row: &Row| {
         let ratio = row.ratio_to_founding.zip(row.number("ratio_target"));
         let of_time = ratio.map_or(0.0, |(ratio, target)| ratio / target);
-        of_time.max(row.target.map_or(0.0, |target| row.value / target))
+        let of_value = row.target.map_or(0.0, |target| row.value / target);
+        // What is not a number is the worst.
+        if of_value.is_nan() { f64::INFINITY } else { of_time.max(of_value) }
     };
     let worst = |target: &'static Target| {
         let rows = rows.iter().filter(|row| Target::of(row) == Some(target));
-        rows.max_by(|a, b| {
-            (a.pass == Some(false), share(a))
-                .partial_cmp(&(b.pass == Some(false), share(b)))
-                .unwrap_or(std::cmp::Ordering::Equal)
-        })
+        rows.max_by(|a, b| share(a).total_cmp(&share(b)))
     };
     TARGETS.iter().map(|target| Verdict { target, row: worst(target) }).collect()
 }
