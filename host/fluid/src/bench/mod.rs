@@ -47,13 +47,15 @@ pub const NAMES: &[&str] = &[
 ];
 
 /// Solvers of the quick run.
-const QUICK: [&str; 2] = [target::OURS, "founding"];
+const QUICK: &[&str] = &[target::OURS, "founding"];
 
 /// How to run the benchmarks.
 #[derive(Clone)]
 pub struct Options {
-    /// Ours and the founding solver alone, and no more than the targets need.
+    /// No more than the targets need.
     pub is_quick: bool,
+    /// Names of the solvers; all of the index if `None`.
+    pub methods: Option<&'static [&'static str]>,
     /// Cells along an edge, one run for each.
     pub sizes: Vec<usize>,
     /// Times that what is short is repeated.
@@ -67,11 +69,12 @@ pub struct Options {
 }
 
 impl Options {
-    /// 16 and 32 cells, on one thread.
+    /// Ours and the founding solver, 16 and 32 cells, on one thread.
     #[must_use]
     pub fn quick() -> Self {
         Self {
             is_quick: true,
+            methods: Some(QUICK),
             sizes: vec![16, 32],
             repetitions: 3,
             case: None,
@@ -83,7 +86,13 @@ impl Options {
     /// Every solver, and up to 64 cells.
     #[must_use]
     pub fn full() -> Self {
-        Self { is_quick: false, sizes: vec![16, 32, 48, 64], repetitions: 5, ..Self::quick() }
+        Self {
+            is_quick: false,
+            methods: None,
+            sizes: vec![16, 32, 48, 64],
+            repetitions: 5,
+            ..Self::quick()
+        }
     }
 
     fn wants(&self, case: &str) -> bool {
@@ -91,7 +100,7 @@ impl Options {
     }
 
     fn has_method(&self, method: &str) -> bool {
-        !self.is_quick || QUICK.contains(&method)
+        self.methods.is_none_or(|methods| methods.contains(&method))
     }
 }
 
