@@ -61,11 +61,16 @@ fn diagram(case: &str, rows: &[&Row]) -> Plot {
             format!("{case}, CFL {cfl}: error against time; beside the marks: cells along an edge")
         }
     };
+    let time = if rows.iter().any(|row| row.number("steps").is_some()) {
+        "CPU time of the whole run, all threads [ms]"
+    } else {
+        "CPU time of one projection, all threads [ms]"
+    };
     Plot {
         title,
         shares_x: false,
         panels: vec![Panel {
-            x: Axis::log10("CPU time of the whole run, all threads [ms]"),
+            x: Axis::log10(time),
             y: Axis::log10(rows.first().map_or("", |row| row.quantity)),
             series: lines,
             spans: spans(rows),
