@@ -59,7 +59,8 @@ pub fn run(case: &Case, pool: &Arc<Pool>, simd: SimdClass) -> Verdict {
     let tortured = catch_unwind(AssertUnwindSafe(|| torture(case, pool, simd)));
     let failures = match tortured {
         Ok(Ok(books)) => {
-            verdict.row.params.extend(books.worst);
+            let worst = books.worst.into_iter().map(|(name, value)| (name, value.into()));
+            verdict.row.params.extend(worst);
             books.failures.into_values().collect()
         }
         Ok(Err(refused)) => {

@@ -163,7 +163,7 @@ impl Projection {
                 },
             );
         });
-        ghosts.wrap_ends(&mut p.next);
+        ghosts.wrap_cells(&mut p.next);
     }
 }
 
