@@ -128,9 +128,18 @@ pub enum BenchGroup {
 /// Arguments of `bench`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchArgs {
-    /// The cases that have a target, at n = 16 and 32
+    /// Ours and the founding solver alone, at n = 16 and 32 and where else a target is
     #[arg(long)]
     pub quick: bool,
+    /// One case alone
+    #[arg(long, value_name = "NAME")]
+    pub case: Option<String>,
+    /// Threads of the solvers; rows for two threads have two
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub threads: u16,
+    /// Vector width, by default the widest there is: portable, avx2 or avx512
+    #[arg(long, value_parser = simd_class)]
+    pub simd: Option<SimdClass>,
     /// Prints a JSON object for each row
     #[arg(long)]
     pub json: bool,

@@ -140,11 +140,12 @@ fn head() -> String {
 }
 
 fn line(verdict: &Verdict) -> String {
-    let params = &verdict.row.params;
-    let cells = ["cells_x", "cells_y", "cells_z"].map(|edge| params[edge].to_string()).join("x");
+    let row = &verdict.row;
+    let edge = |name| row.number(name).unwrap_or(f64::NAN).to_string();
+    let cells = ["cells_x", "cells_y", "cells_z"].map(edge).join("x");
     let checks: String = CHECKS
         .iter()
-        .map(|(name, _)| params.get(name).map_or("-".into(), |value| format!("{value:.1e}")))
+        .map(|(name, _)| row.number(name).map_or("-".into(), |value| format!("{value:.1e}")))
         .map(|value| format!(" {value:>8}"))
         .collect();
     let ms = verdict.row.ms.map_or("-".into(), |ms| format!("{ms:.2}"));

@@ -88,6 +88,7 @@ fn wrong_usage_is_exit_code_two() {
         &["run", "--threads", "0"],
         &["run", "--simd", "mmx"],
         &["run", "--device", "usb"],
+        &["bench", "fluid", "--threads", "0"],
         &["sing"],
         &["torture", "fluid", "--seeds", "7"],
         &["torture", "fluid", "--shard", "3/2"],
@@ -142,6 +143,32 @@ fn a_seed_of_torture_is_a_row_and_shards_are_summed_up() {
     assert!(stderr(&alone).contains("corners left out: 96^3"), "{}", stderr(&alone));
     refuses(dir, &["torture", "fluid", "--merge", "even", "torn"], &["torn", "last line"]);
     refuses(dir, &["torture", "fluid", "--merge", "none"], &["none", "cannot read"]);
+}
+
+#[test]
+fn an_unknown_case_of_the_benchmark_is_refused_with_those_there_are() {
+    let scratch = Scratch::new("case");
+    refuses(&scratch.0, &["bench", "fluid", "--case", "mns"], &["mns", "mms", "cavity-1000"]);
+}
+
+#[test]
+fn a_case_is_measured_drawn_and_judged() {
+    let scratch = Scratch::new("bench");
+    let args = ["bench", "fluid", "--quick", "--case", "cavity-100", "--plot", "d"];
+    let output = cauldron(&scratch.0, &args);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let line = text.lines().find(|line| line.contains("cavity-100 n=32: rms <=")).unwrap();
+    let is_kept = line.starts_with('\u{2713}');
+    assert_eq!(output.status.code(), Some(i32::from(!is_kept)), "{text}");
+    assert!(cauldron_render::png::read(scratch.0.join("d/fluid-cavity-100.png")).is_ok());
+    let svg = fs::read_to_string(scratch.0.join("d/fluid-cavity-100.svg")).unwrap();
+    assert!(svg.contains("auto"), "{svg}");
+    let json = cauldron(&scratch.0, &[&args[..5], &["--json"]].concat());
+    for line in String::from_utf8(json.stdout).unwrap().lines() {
+        let row: Value = serde_json::from_str(line).unwrap();
+        assert_eq!((&row["group"], &row["case"]), (&"fluid".into(), &"cavity-100".into()));
+        assert!(row["params"]["steps"].is_number() && row["ratio_to_founding"].is_number());
+    }
 }
 
 /// What the whole program promises of its default scene.

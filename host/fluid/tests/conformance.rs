@@ -15,8 +15,11 @@ const N: usize = 16;
 /// Share of its energy that a flow may gain: what the energy guard lets gather, and rounding.
 const GUARD_SLACK: f64 = 1.1e-3;
 
+/// What is measured, at most how much of it is allowed, and how it is measured.
+type Bound = (&'static str, f64, fn(&SolverRow) -> f64);
+
 /// What is bracketed in the index: name of the test, and what it may come to at most.
-const BOUNDS: &[(&str, f64, fn(&SolverRow) -> f64)] = &[
+const BOUNDS: &[Bound] = &[
     ("projection", 1e-5, divergence_left),
     ("decay", 5e-3, error_of_decay),
     ("impulse", 1e-2, error_of_impulse),

@@ -4,6 +4,25 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+/// What was varied, or describes a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Param {
+    /// In the unit that its name says.
+    Number(f64),
+    /// For instance a scheme.
+    Word(String),
+}
+
+impl From<f64> for Param {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+/// Names and values, as `params` of a [`Row`].
+pub type Params = BTreeMap<&'static str, Param>;
+
 /// One measured value. What does not apply is `null`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
@@ -16,14 +35,15 @@ pub struct Row {
     /// Cells along an edge.
     pub n: Option<usize>,
     /// What else was varied, or describes the run.
-    pub params: BTreeMap<&'static str, f64>,
+    pub params: Params,
     /// What was measured.
     pub quantity: &'static str,
     /// Its value.
     pub value: f64,
     /// Its unit; 1 for a ratio.
     pub unit: &'static str,
-    /// What it is not to exceed; none for methods that are only compared with.
+    /// What it is not to exceed; none for methods that are only compared with. Where
+    /// `ratio_target` stands in `params`, `ratio_to_founding` is not to exceed that either.
     pub target: Option<f64>,
     /// Whether it keeps to the target.
     pub pass: Option<bool>,
@@ -39,11 +59,19 @@ pub struct Row {
 }
 
 impl Row {
-    /// Sets the target, and whether the value keeps to it.
+    /// The parameter of that name, if it is a number.
     #[must_use]
-    pub fn with_target(mut self, target: Option<f64>) -> Self {
-        self.target = target;
-        self.pass = target.map(|target| self.value <= target);
-        self
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match self.params.get(name)? {
+            Param::Number(value) => Some(*value),
+            Param::Word(_) => None,
+        }
+    }
+
+    /// CPU time of the whole run in milliseconds: of its only step if it does not say how many
+    /// it had.
+    #[must_use]
+    pub fn total_ms(&self) -> Option<f64> {
+        Some(self.ms? * self.number("steps").unwrap_or(1.0))
     }
 }

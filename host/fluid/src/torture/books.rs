@@ -61,8 +61,7 @@ impl Books {
     pub fn check(&mut self, what: &'static str, value: f64, limit: f64, step: usize) {
         let worst = self.worst.entry(what).or_insert(value);
         *worst = if value > *worst || value.is_nan() { value } else { *worst };
-        let is_kept = value <= limit;
-        if !is_kept {
+        if value > limit || value.is_nan() {
             let told = || format!("{what} = {value:.3e} in step {step}, at most {limit:.0e}");
             self.failures.entry(what).or_insert_with(told);
         }

@@ -37,7 +37,7 @@ impl Verdict {
             case: case.corner.unwrap_or("drawn").to_owned(),
             method: "auto".to_owned(),
             n: case.grid.cells.into_iter().max(),
-            params: case.params().into_iter().collect(),
+            params: case.params().into_iter().map(|(name, value)| (name, value.into())).collect(),
             quantity: "failures",
             value: 0.0,
             unit: "1",

@@ -22,25 +22,14 @@ const WIDEST_PUSH_CELLS: f64 = 8.0;
 /// Steps in which the body force is on, and then off.
 const FORCE_BLOCK: usize = 8;
 
-/// Something that the solver has no API for.
-pub struct NotTaken {
-    /// What it is.
-    pub what: &'static str,
-    /// Whether a case has drawn it.
-    pub is_drawn: fn(&Case) -> bool,
-}
+/// Something that is drawn, and whether a case has it.
+type Drawn = (&'static str, fn(&Case) -> bool);
 
 /// What is drawn and not taken yet.
-pub const NOT_TAKEN: &[NotTaken] = &[
-    NotTaken {
-        what: "density of substances, by the flow",
-        is_drawn: |case| !case.substances.is_empty(),
-    },
-    NotTaken {
-        what: "viscosity of substances, by the flow",
-        is_drawn: |case| !case.substances.is_empty(),
-    },
-    NotTaken { what: "obstacles", is_drawn: |case| case.obstacle.is_some() },
+pub const NOT_TAKEN: &[Drawn] = &[
+    ("density of substances, by the flow", |case| !case.substances.is_empty()),
+    ("viscosity of substances, by the flow", |case| !case.substances.is_empty()),
+    ("obstacles", |case| case.obstacle.is_some()),
 ];
 
 /// A case that runs.

@@ -201,7 +201,7 @@ impl Ghosts {
     }
 
     /// Fills the planes beyond z of a cell field if that is periodic.
-    pub fn wrap_ends(&self, field: &mut Field) {
+    fn wrap_ends(&self, field: &mut Field) {
         let (plane, nz) = (self.layout.plane, self.layout.cells[2]);
         let along = Line { start: 0, step: 1, len: plane };
         self.wrap_axis(2, field, nz, (plane, plane), along);

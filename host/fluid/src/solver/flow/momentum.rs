@@ -255,7 +255,7 @@ impl Stage<'_> {
         let [x, y, z] = Through::all(self.velocity, layout, at, behind, len);
         let force =
             if FORCED { self.force.map_or(own.here, |f| cut(f[C], at, len)) } else { own.here };
-        for i in 0..len {
+        for (i, force) in force.iter().enumerate() {
             let sum = x.carry(class, i, own.x, None);
             let sum = y.carry(class, i, own.y, Some(sum));
             let sum = z.carry(class, i, own.z, Some(sum));
@@ -265,7 +265,7 @@ impl Stage<'_> {
                 rate = class.multiply_add(terms.viscous_per_s, lap, rate);
             }
             if FORCED {
-                rate = class.multiply_add(terms.force, force[i], rate);
+                rate = class.multiply_add(terms.force, *force, rate);
             }
             advance(i, rate);
         }

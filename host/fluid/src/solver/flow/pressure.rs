@@ -163,7 +163,7 @@ impl Projection {
                 },
             );
         });
-        ghosts.wrap_ends(&mut p.next);
+        ghosts.wrap_cells(&mut p.next);
     }
 }
 
@@ -183,9 +183,7 @@ fn set_residual(
             |Run { at, to, len }, sums| {
                 let out = cut_mut(out, to, len);
                 let faces = FaceRuns::new(layout, velocity, at, len);
-                for i in 0..out.len() {
-                    out[i] = -faces.outflow(i);
-                }
+                out.iter_mut().enumerate().for_each(|(i, out)| *out = -faces.outflow(i));
                 if !is_box {
                     let liquid = cut(&on.faces.liquid, at, len);
                     out.iter_mut().zip(liquid).for_each(|(out, liquid)| *out *= liquid);
