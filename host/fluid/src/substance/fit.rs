@@ -32,7 +32,6 @@ pub fn fit(on: Engine<'_>, layout: &Layout, all: &mut [Substance], sum: &mut [f3
         if set_sum(on, layout, all, sum) <= f64::from(1.0 + TOLERANCE) && books_close {
             return;
         }
-        books_close = true;
         let mut is_done = true;
         for substance in all.iter_mut().filter(|substance| substance.highest > 0.0) {
             let room = take_excess(on, layout, substance, sum);
@@ -49,6 +48,7 @@ pub fn fit(on: Engine<'_>, layout: &Layout, all: &mut [Substance], sum: &mut [f3
         if is_done {
             return;
         }
+        books_close = false;
     }
     set_sum(on, layout, all, sum);
     let room = on.pool.sum(layout.cells[2], |k| {

@@ -150,17 +150,9 @@ fn come_to_rest(world: &mut World<'_>, books: &mut Books, decay: Decay) -> Resul
 mod tests {
     use super::*;
 
-    /// What is known to fail, and has to be taken out of here with the fault: what a remap took
-    /// out of overfull cells is not given back where there is room.
-    const KNOWN: &[(u64, &str)] = &[
-        (0, "mass_error"),
-        (1, "mass_error"),
-        (4, "mass_error"),
-        (5, "mass_error"),
-        (6, "mass_error"),
-        (7, "mass_error"),
-        (17, "mass_error"),
-    ];
+    /// What is known to fail, and has to be taken out of here with the fault: in a pot, the
+    /// predicted pressure of a very thick liquid forgets slowly, and keeps it moving.
+    const KNOWN: &[(u64, &str)] = &[(7, "left_at_rest")];
 
     /// A corner or a draw, small enough for a debug build.
     fn small(seed: u64) -> Case {
