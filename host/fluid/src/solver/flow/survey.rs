@@ -8,11 +8,11 @@ use crate::solver::flow::{
 /// What a survey found. Energies are per density and cell volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Survey {
-    /// Sum of u^2 / 2 over all faces.
+    /// Sum of u^2 / 2 over all faces, by their open parts.
     pub energy_m2_s2: f64,
     /// Largest |u| + |v| + |w| over the lower faces of a cell.
     pub speed_m_s: f64,
-    /// Sum of f . u over all faces.
+    /// Sum of f . u over all faces, by their open parts.
     pub power_m2_s3: f64,
 }
 
@@ -56,13 +56,23 @@ pub fn survey_plane(
         layout,
         k,
         #[inline(always)]
-        |Run { to, len, .. }, sums| {
+        |Run { at, to, len }, sums| {
             let u = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
             speed.raise(
                 len,
                 #[inline(always)]
                 |i| u[0][i].abs() + u[1][i].abs() + u[2][i].abs(),
             );
+            if let Some(vessel) = &on.faces.vessel {
+                for (c, u) in u.iter().enumerate() {
+                    let area = cut(&vessel.area[c], at, len);
+                    sums[0].add_weighted(area, u, u);
+                    if let Some(force) = force {
+                        sums[1].add_weighted(area, u, cut(force[c], to, len));
+                    }
+                }
+                return;
+            }
             u.iter().for_each(|u| sums[0].add_product(u, u));
             if let Some(force) = force {
                 for (u, f) in u.iter().zip(force) {
