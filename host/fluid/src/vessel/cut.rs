@@ -152,8 +152,7 @@ impl Cut {
     pub fn face_depth(&self, axis: usize, cell: [usize; 3]) -> f32 {
         let around = self.corners_about(axis, cell).map(|corner| self.corner_depth(corner));
         let centre = mean(&around);
-        let triangle =
-            |n: usize| 0.25 * triangle_depth([around[n], around[(n + 1) % 4], centre]);
+        let triangle = |n: usize| 0.25 * triangle_depth([around[n], around[(n + 1) % 4], centre]);
         let open = face_fraction(around);
         if open > 0.0 { (0..4).map(triangle).sum::<f32>() / open } else { 0.0 }
     }
@@ -312,9 +311,9 @@ fn triangle_fraction([a, b, c]: [f32; 3]) -> f32 {
 /// Integral, over a triangle of area 1, of a linear function with these corner values where it is
 /// above 0.
 fn triangle_depth(corners: [f32; 3]) -> f32 {
-    let (least, most) = corners.iter().fold((f32::MAX, f32::MIN), |(low, high), value| {
-        (low.min(*value), high.max(*value))
-    });
+    let (least, most) = corners
+        .iter()
+        .fold((f32::MAX, f32::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
     let above = triangle_fraction(corners);
     // Where one corner is alone on its side, its part is a triangle.
     match corners.iter().filter(|value| **value > 0.0).count() {

@@ -93,7 +93,8 @@ impl<'a> Kernel<'a> {
     /// the components: 1 / sum w^2/m. Infinite out of reach of the liquid.
     pub fn mass_in_cells(&self) -> f64 {
         let mut squares = 0.0;
-        (0..3).for_each(|c| self.visit(c, |_, m, per_mass| squares += m * per_mass * per_mass / 3.0));
+        (0..3)
+            .for_each(|c| self.visit(c, |_, m, per_mass| squares += m * per_mass * per_mass / 3.0));
         1.0 / squares
     }
 }

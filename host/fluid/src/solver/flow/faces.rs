@@ -47,13 +47,7 @@ pub struct VesselFaces {
 
 impl Faces {
     /// The faces of the liquid in `vessel`, between sides and walls as given.
-    pub fn new(
-        layout: &Layout,
-        grid: &Grid,
-        vessel: &Vessel,
-        sides: &Sides,
-        walls: Walls,
-    ) -> Self {
+    pub fn new(layout: &Layout, grid: &Grid, vessel: &Vessel, sides: &Sides, walls: Walls) -> Self {
         let cut = (*vessel != Vessel::Box).then(|| Cut::new(grid, vessel));
         let cut = cut.filter(|cut| {
             let mut parts = cut.face.iter().flatten().chain(&cut.volume);
@@ -66,9 +60,8 @@ impl Faces {
         let area = cut.as_ref().map(|cut| {
             per_face(layout, sides, |axis, face| cut.face[axis][cut.face_index(axis, face)])
         });
-        let is_passed = |axis: usize, at: usize| {
-            area.as_ref().is_none_or(|area: &Vector| area[axis][at] > 0.0)
-        };
+        let is_passed =
+            |axis: usize, at: usize| area.as_ref().is_none_or(|area: &Vector| area[axis][at] > 0.0);
         for (i, j, k) in cells(layout.cells) {
             let (at, cell) = (layout.index(i, j, k), [i, j, k]);
             if !mask.is_liquid(cell.map(|c| c as isize)) {
@@ -125,11 +118,7 @@ fn are_free(layout: &Layout, sides: &Sides, axis: usize, cell: [usize; 3]) -> [b
 
 /// The least of `value(axis, face)` for the places that a face has in a periodic box. Beyond
 /// the sides it is as next to them.
-fn per_face(
-    layout: &Layout,
-    sides: &Sides,
-    value: impl Fn(usize, [usize; 3]) -> f32,
-) -> Vector {
+fn per_face(layout: &Layout, sides: &Sides, value: impl Fn(usize, [usize; 3]) -> f32) -> Vector {
     let mut out = [layout.zeros(), layout.zeros(), layout.zeros()];
     let [_, sy, sz] = layout.strides();
     for (c, out) in out.iter_mut().enumerate() {

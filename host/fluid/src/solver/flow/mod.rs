@@ -108,8 +108,7 @@ impl Flow {
         let density_kg_m3 = not_negative("density_kg_m3", setup.density_kg_m3)?;
         let viscosity_m2_s = not_negative("viscosity_m2_s", setup.viscosity_m2_s)?;
         let layout = Layout::new(setup.grid.cells);
-        let faces =
-            Faces::new(&layout, &setup.grid, &setup.vessel, &setup.sides, setup.walls);
+        let faces = Faces::new(&layout, &setup.grid, &setup.vessel, &setup.sides, setup.walls);
         let ghosts = Ghosts::new(&layout, &setup.sides);
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
         let mut flow = Self {
@@ -223,9 +222,8 @@ impl Flow {
             |k| self.layout.rows_in_plane().map(move |row| (k + 1) * self.layout.plane + row);
         let total = |c: usize| {
             let faces = (0..nz).flat_map(rows).flat_map(|row| row..row + nx);
-            faces.fold(0.0, |sum, at| {
-                sum + self.faces.mass(c, at) * f64::from(self.velocity[c][at])
-            })
+            faces
+                .fold(0.0, |sum, at| sum + self.faces.mass(c, at) * f64::from(self.velocity[c][at]))
         };
         DVec3::from_array([0, 1, 2].map(total)) * self.cell_mass_kg()
     }
@@ -239,8 +237,7 @@ impl Flow {
     /// Brings the fluxes up to date.
     fn set_fluxes(&mut self) {
         if let (Some(fluxes), Some(vessel)) = (&mut self.fluxes, &self.faces.vessel) {
-            for (flux, (area, u)) in fluxes.iter_mut().zip(vessel.area.iter().zip(&self.velocity))
-            {
+            for (flux, (area, u)) in fluxes.iter_mut().zip(vessel.area.iter().zip(&self.velocity)) {
                 for (flux, (area, u)) in flux.iter_mut().zip(area.iter().zip(u.iter())) {
                     *flux = area * u;
                 }
@@ -295,15 +292,16 @@ impl Flow {
         for row in (0..nz).flat_map(rows) {
             let faces = FaceRuns::new(&self.layout, components(&self.velocity), row, nx);
             let liquid = cut(&self.faces.liquid, row, nx);
-            let area = self.faces.vessel.as_ref().map(|vessel| {
-                FaceRuns::new(&self.layout, components(&vessel.area), row, nx)
-            });
+            let area = self
+                .faces
+                .vessel
+                .as_ref()
+                .map(|vessel| FaceRuns::new(&self.layout, components(&vessel.area), row, nx));
             let cells = (0..nx).filter(|i| liquid[*i] > 0.0);
             cells.for_each(|i| {
-                visit(area.map_or_else(
-                    || faces.outflow(i),
-                    |area| faces.outflow_through(&area, i),
-                ));
+                visit(
+                    area.map_or_else(|| faces.outflow(i), |area| faces.outflow_through(&area, i)),
+                );
             });
         }
     }

@@ -8,7 +8,8 @@
 //! ```
 //! Advection stays skew-symmetric and free of sources in a uniform stream; viscosity is symmetric
 //! and negative. The inertia m is the face's own area, but not less than the mean of the A_g
-//! along any axis: then no explicit step has less room than far from the walls.
+//! along any axis, nor than the friction needs: then no explicit step has less room than far from
+//! the walls.
 //!
 //! The drag W is 0 where the liquid slides. Where it sticks, a velocity that grows linearly with
 //! the depth s below the wall has no net friction: that gives W = sum A_g (s_g - s) / s, s being
@@ -27,8 +28,12 @@ use crate::solver::flow::{
 /// walls are so near to each other that the depth between them tells of neither.
 const LEAST_GRIP: f32 = 0.4;
 
-/// 2 (sum A + W) / m is that of a face far from walls, 12, at most.
-const STIFFEST: f32 = 12.0;
+/// (2 sum A + W) / m is at most this, which is 12 far from walls: the schedule leaves Runge and
+/// Kutta's three stages that much room, and more to two steps of Adams and Bashforth.
+const STIFFEST: f32 = 13.6;
+
+/// For that, the inertia of a face close to a wall is raised up to this; beyond, drag is held back.
+const MOST_INERTIA: f32 = 0.75;
 
 /// A face beside a wall.
 #[derive(Clone, Copy)]
@@ -60,10 +65,7 @@ pub struct Weights {
 impl Weights {
     /// Those of `terms` that were taken times `dt_s`.
     pub fn of(terms: Terms, dt_s: f32) -> Self {
-        Self {
-            advection: dt_s * terms.advection_per_m,
-            viscous: dt_s * terms.viscous_per_s,
-        }
+        Self { advection: dt_s * terms.advection_per_m, viscous: dt_s * terms.viscous_per_s }
     }
 }
 
@@ -178,7 +180,7 @@ impl WallFace {
 
     /// Largest drag that an explicit step bears.
     fn most_drag(&self) -> f32 {
-        (STIFFEST * self.inertia - 2.0 * self.area()).max(0.0)
+        (STIFFEST * self.inertia.max(MOST_INERTIA) - 2.0 * self.area()).max(0.0)
     }
 
     /// Sum of A_g value_g.
@@ -243,6 +245,8 @@ fn set_drag(layout: &Layout, depth: &[f32], faces: &mut [WallFace]) {
         let grip = if rise < LEAST_GRIP * wall { wall } else { rise };
         if here > 0.0 {
             face.drag = (grip / here).clamp(0.0, face.most_drag());
+            face.inertia = face.inertia.max((2.0 * face.area() + face.drag) / STIFFEST);
+            face.per_inertia = 1.0 / face.inertia;
         }
     }
 }
@@ -268,13 +272,7 @@ pub fn hold(
 }
 
 /// The same for rates of change that are kept; closed faces are left as they are.
-pub fn correct(
-    on: Engine<'_>,
-    stage: Stage<'_>,
-    k: usize,
-    weights: Weights,
-    out: [&mut [f32]; 3],
-) {
+pub fn correct(on: Engine<'_>, stage: Stage<'_>, k: usize, weights: Weights, out: [&mut [f32]; 3]) {
     if let Some(vessel) = &on.faces.vessel {
         vessel.walls.correct(stage, &vessel.area, k, weights, out);
     }
