@@ -157,6 +157,15 @@ impl Cut {
         if open > 0.0 { (0..4).map(triangle).sum::<f32>() / open } else { 0.0 }
     }
 
+    /// Sum of the second differences of the depth, in spacings, about that face: what the wall's
+    /// curvature makes of it. Edges count as flat.
+    #[must_use]
+    pub fn face_bend(&self, axis: usize, cell: [usize; 3]) -> f32 {
+        let nodes = self.grid.cells.map(|cells| cells + 1);
+        let all = nodes.map(|nodes| 0..nodes);
+        mean(&self.corners_about(axis, cell).map(|at| bend(&self.depth, nodes, &all, at)))
+    }
+
     /// Number of cells that hold liquid.
     #[must_use]
     pub fn liquid_cells(&self) -> usize {
@@ -228,9 +237,14 @@ impl Cut {
     }
 }
 
-/// The value at a corner, less the mean error of straight lines about it. Only corners of `known`
-/// are read; at its ends the curvature is that of the next one inside.
+/// The value at a corner, less the mean error of straight lines about it.
 fn for_lines(values: &[f32], nodes: [usize; 3], known: &CellBox, at: [usize; 3]) -> f32 {
+    values[flat(nodes, at)] - bend(values, nodes, known, at) / 12.0
+}
+
+/// Sum of second differences at a corner. Only corners of `known` are read; at its ends the
+/// curvature is that of the next one inside.
+fn bend(values: &[f32], nodes: [usize; 3], known: &CellBox, at: [usize; 3]) -> f32 {
     let second = |axis: usize| {
         let Range { start, end } = known[axis];
         if end - start < 3 {
@@ -244,8 +258,7 @@ fn for_lines(values: &[f32], nodes: [usize; 3], known: &CellBox, at: [usize; 3])
         });
         before - 2.0 * here + after
     };
-    let bent = [0, 1, 2].map(second).into_iter().filter(|second| second.abs() < SHARPEST);
-    values[flat(nodes, at)] - bent.sum::<f32>() / 12.0
+    [0, 1, 2].map(second).into_iter().filter(|second| second.abs() < SHARPEST).sum()
 }
 
 /// Part of a square above 0, from its corners in turn.

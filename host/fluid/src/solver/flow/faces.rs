@@ -9,7 +9,7 @@ use crate::{
         Side, Sides, Walls,
         flow::{
             field::{Field, Layout, Vector},
-            walls::WallFaces,
+            walls::{Depth, WallFaces},
         },
     },
     vessel::{Vessel, cut::Cut},
@@ -83,12 +83,10 @@ impl Faces {
             }
         }
         let vessel = cut.zip(area).map(|(cut, area)| {
-            let depth = match walls {
-                Walls::NoSlip => {
-                    Some(per_face(layout, sides, |axis, face| cut.face_depth(axis, face)))
-                }
-                Walls::FreeSlip => None,
-            };
+            let depth = (walls == Walls::NoSlip).then(|| Depth {
+                below_wall: per_face(layout, sides, |axis, face| cut.face_depth(axis, face)),
+                bend: per_face(layout, sides, |axis, face| cut.face_bend(axis, face)),
+            });
             let walls = WallFaces::new(layout, &open, &area, depth);
             let (open_area, lift) = cell_areas(layout, sides, &mask, &area);
             VesselFaces { area, open_area, lift, walls }

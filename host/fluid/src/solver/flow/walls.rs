@@ -12,8 +12,8 @@
 //! the walls.
 //!
 //! The drag W is 0 where the liquid slides. Where it sticks, a velocity that grows linearly with
-//! the depth s below the wall has no net friction: that gives W = sum A_g (s_g - s) / s, s being
-//! the mean over the open part of a face. So what distances between the middles of cut faces do
+//! the depth s below the wall has no net friction: that gives W = (sum A_g (s_g - s) - V lap s) / s,
+//! s being the mean over the open part of a face. So what distances between the middles of cut faces do
 //! to their friction is made up for, and no more than the slope of the depth at the wall
 //! is asked of a distance.
 
@@ -53,6 +53,14 @@ pub struct WallFaces {
     first: [Vec<usize>; 3],
 }
 
+/// The depth below a wall at faces, in spacings.
+pub struct Depth {
+    /// Mean over the open part of each face.
+    pub below_wall: Vector,
+    /// Sum of its second differences.
+    pub bend: Vector,
+}
+
 /// Weights of the terms of the momentum equation in what a kernel has computed.
 #[derive(Clone, Copy)]
 pub struct Weights {
@@ -70,8 +78,9 @@ impl Weights {
 }
 
 impl WallFaces {
-    /// For the faces that are `open` in `area`; `depth` below a wall that the liquid sticks to.
-    pub fn new(layout: &Layout, open: &Vector, area: &Vector, depth: Option<Vector>) -> Self {
+    /// For the faces that are `open` in `area`; `depth` is that below a wall that
+    /// the liquid sticks to.
+    pub fn new(layout: &Layout, open: &Vector, area: &Vector, depth: Option<Depth>) -> Self {
         let [_, _, nz] = layout.cells;
         let (mut faces, mut first) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
         for c in 0..3 {
@@ -84,7 +93,8 @@ impl WallFaces {
                 first[c][k + 1] = faces[c].len();
             }
             if let Some(depth) = &depth {
-                set_drag(layout, &depth[c], &mut faces[c]);
+                let depth = [&*depth.below_wall[c], &depth.bend[c], &area[c]];
+                set_drag(layout, depth, &mut faces[c]);
             }
         }
         Self { faces, first }
@@ -226,8 +236,8 @@ impl WallFace {
     }
 }
 
-/// Sets the drag of a component's faces from the depth of all faces.
-fn set_drag(layout: &Layout, depth: &[f32], faces: &mut [WallFace]) {
+/// Sets the drag of a component's faces from depth, bend and area of all faces.
+fn set_drag(layout: &Layout, [depth, bend, area]: [&[f32]; 3], faces: &mut [WallFace]) {
     // A face so near to the wall that its drag would be more than a step bears is taken to be
     // as far from it as that drag says; what its neighbours see of it is adjusted with it.
     let mut depth = depth.to_vec();
@@ -240,8 +250,10 @@ fn set_drag(layout: &Layout, depth: &[f32], faces: &mut [WallFace]) {
         *depth = depth.max(least);
     }
     for face in faces {
-        let here = depth[face.at as usize];
-        let (rise, wall) = (face.around(layout, &depth) - face.area() * here, face.wall());
+        let at = face.at as usize;
+        let (here, wall) = (depth[at], face.wall());
+        let curvature = area[at] * bend[at];
+        let rise = face.around(layout, &depth) - face.area() * here - curvature;
         let grip = if rise < LEAST_GRIP * wall { wall } else { rise };
         if here > 0.0 {
             face.drag = (grip / here).clamp(0.0, face.most_drag());
