@@ -40,7 +40,6 @@ impl Engine<'_> {
         &self,
         layout: &Layout,
         ghosts: &Ghosts,
-        vessel: &VesselFaces,
         poisson: &mut Poisson,
         psi: &mut Field,
         [residual, z, p, q]: &mut [Field; 4],
@@ -49,9 +48,9 @@ impl Engine<'_> {
         let small = (square * RELATIVE_TOLERANCE * RELATIVE_TOLERANCE)
             .max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
         psi.fill(0.0);
-        if square <= small {
+        let Some(vessel) = self.faces.vessel.as_ref().filter(|_| square > small) else {
             return 0;
-        }
+        };
         let mut rz = self.precondition(layout, vessel, poisson, residual, z);
         p.copy_from_slice(z);
         ghosts.wrap_cells(p);

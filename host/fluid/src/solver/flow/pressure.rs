@@ -70,12 +70,12 @@ impl Projection {
         force: Option<[&[f32]; 3]>,
     ) -> Projected {
         let Self { layout, poisson, psi, krylov } = self;
-        let iterations = match (krylov, &on.faces.vessel) {
-            (Some(krylov), Some(vessel)) => {
+        let iterations = match krylov {
+            Some(krylov) => {
                 let squares = set_residual(on, layout, components(velocity), &mut krylov[0]);
-                on.iterate(layout, ghosts, vessel, poisson, psi, krylov, squares)
+                on.iterate(layout, ghosts, poisson, psi, krylov, squares)
             }
-            _ => {
+            None => {
                 set_residual(on, layout, components(velocity), psi);
                 poisson.solve_in_place(on.pool, on.simd, psi);
                 0
@@ -192,9 +192,7 @@ fn set_residual(
                     sums[0].add_product(out, out);
                     faces.add_squares(&mut sums[1]);
                 } else {
-                    for i in 0..out.len() {
-                        out[i] = -faces.outflow(i);
-                    }
+                    out.iter_mut().enumerate().for_each(|(i, out)| *out = -faces.outflow(i));
                 }
             },
         )
