@@ -150,7 +150,7 @@ impl Substances {
     pub fn step(&mut self, flow: &Flow, dt_s: f64) -> Result<TransportReport, Refused> {
         within("dt_s", if dt_s < 0.0 { f64::NAN } else { dt_s }, 1e3)
             .map_err(|refused| Refused { value: dt_s, ..refused })?;
-        let (layout, velocity) = flow.face_velocities();
+        let (layout, velocity) = flow.face_fluxes();
         let mut report = TransportReport::nothing();
         if *layout != self.layout || self.all.iter().all(|substance| substance.highest == 0.0) {
             return Ok(report);

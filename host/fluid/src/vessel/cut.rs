@@ -145,6 +145,27 @@ impl Cut {
         self.grid.spacing_m * mean(&self.corner_depths(cell))
     }
 
+    /// Mean depth below the nearest wall or obstacle, in spacings, over the open part of the
+    /// lower face of a cell across `axis`: 0 where nothing is open. As with
+    /// [`Cut::face_index`], the cell may be one beyond the last along `axis`.
+    #[must_use]
+    pub fn face_depth(&self, axis: usize, cell: [usize; 3]) -> f32 {
+        let around = self.corners_about(axis, cell).map(|corner| self.corner_depth(corner));
+        let centre = mean(&around);
+        let triangle = |n: usize| 0.25 * triangle_depth([around[n], around[(n + 1) % 4], centre]);
+        let open = face_fraction(around);
+        if open > 0.0 { (0..4).map(triangle).sum::<f32>() / open } else { 0.0 }
+    }
+
+    /// Sum of the second differences of the depth, in spacings, about that face: what the wall's
+    /// curvature makes of it. Edges count as flat.
+    #[must_use]
+    pub fn face_bend(&self, axis: usize, cell: [usize; 3]) -> f32 {
+        let nodes = self.grid.cells.map(|cells| cells + 1);
+        let all = nodes.map(|nodes| 0..nodes);
+        mean(&self.corners_about(axis, cell).map(|at| bend(&self.depth, nodes, &all, at)))
+    }
+
     /// Number of cells that hold liquid.
     #[must_use]
     pub fn liquid_cells(&self) -> usize {
@@ -196,9 +217,14 @@ impl Cut {
         if below.is_some_and(is_dry) || (cell[axis] < all[axis] && is_dry(cell)) {
             return 0.0;
         }
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let around = [cell, plus(cell, u), plus(plus(cell, u), v), plus(cell, v)];
+        let around = self.corners_about(axis, cell);
         snapped(face_fraction(around.map(|corner| self.corner_depth(corner))))
+    }
+
+    /// The corners of the lower face of `cell` across `axis`, in turn.
+    fn corners_about(&self, axis: usize, cell: [usize; 3]) -> [[usize; 3]; 4] {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        [cell, plus(cell, u), plus(plus(cell, u), v), plus(cell, v)]
     }
 
     fn corner_depth(&self, corner: [usize; 3]) -> f32 {
@@ -211,9 +237,14 @@ impl Cut {
     }
 }
 
-/// The value at a corner, less the mean error of straight lines about it. Only corners of `known`
-/// are read; at its ends the curvature is that of the next one inside.
+/// The value at a corner, less the mean error of straight lines about it.
 fn for_lines(values: &[f32], nodes: [usize; 3], known: &CellBox, at: [usize; 3]) -> f32 {
+    values[flat(nodes, at)] - bend(values, nodes, known, at) / 12.0
+}
+
+/// Sum of second differences at a corner. Only corners of `known` are read; at its ends the
+/// curvature is that of the next one inside.
+fn bend(values: &[f32], nodes: [usize; 3], known: &CellBox, at: [usize; 3]) -> f32 {
     let second = |axis: usize| {
         let Range { start, end } = known[axis];
         if end - start < 3 {
@@ -227,8 +258,7 @@ fn for_lines(values: &[f32], nodes: [usize; 3], known: &CellBox, at: [usize; 3])
         });
         before - 2.0 * here + after
     };
-    let bent = [0, 1, 2].map(second).into_iter().filter(|second| second.abs() < SHARPEST);
-    values[flat(nodes, at)] - bent.sum::<f32>() / 12.0
+    [0, 1, 2].map(second).into_iter().filter(|second| second.abs() < SHARPEST).sum()
 }
 
 /// Part of a square above 0, from its corners in turn.
@@ -288,6 +318,21 @@ fn triangle_fraction([a, b, c]: [f32; 3]) -> f32 {
         [false, true, _] => 1.0 - (1.0 - along(b, a)) * (1.0 - along(c, a)),
         [_, false, true] => along(c, a) * along(c, b),
         _ => 0.0,
+    }
+}
+
+/// Integral, over a triangle of area 1, of a linear function with these corner values where it is
+/// above 0.
+fn triangle_depth(corners: [f32; 3]) -> f32 {
+    let (least, most) = corners
+        .iter()
+        .fold((f32::MAX, f32::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    let above = triangle_fraction(corners);
+    // Where one corner is alone on its side, its part is a triangle.
+    match corners.iter().filter(|value| **value > 0.0).count() {
+        0 => 0.0,
+        1 => above * most / 3.0,
+        _ => mean(&corners) - (1.0 - above) * least / 3.0,
     }
 }
 

@@ -5,9 +5,10 @@
 //! component whatever walls cut off. So nothing is lost at a wall, and the power that the body
 //! spends is the power that the flow gets.
 //! ```text
-//! w_f = (1 - r^2/R^2)^2 / sum,   R = max(radius, 2 h)
-//! u_f += J w_f / (rho h^3),   gathered u = sum w_f u_f
+//! w_f = m_f (1 - r^2/R^2)^2 / sum,   R = max(radius, 2 h)
+//! u_f += J w_f / (m_f rho h^3),   gathered u = sum w_f u_f
 //! ```
+//! m_f is the part of the face that walls leave open.
 
 use glam::{DVec3, Vec3};
 
@@ -33,17 +34,17 @@ impl<'a> Kernel<'a> {
         Self { layout, faces, centre, radius }
     }
 
-    /// Calls `visit(index, weight)` for the open faces of component `c`; weights sum to 1.
-    /// Nothing is visited if no open face is within reach.
-    fn visit(&self, c: usize, mut visit: impl FnMut(usize, f64)) {
+    /// Calls `visit(index, mass in cells, weight / mass)` for the open faces of component `c`;
+    /// weights sum to 1. Nothing is visited if no open face is within reach.
+    fn visit(&self, c: usize, mut visit: impl FnMut(usize, f64, f64)) {
         let mut sum = 0.0;
-        self.visit_raw(c, |_, weight| sum += weight);
+        self.visit_raw(c, |_, mass, shape| sum += mass * shape);
         if sum > 0.0 {
-            self.visit_raw(c, |at, weight| visit(at, weight / sum));
+            self.visit_raw(c, |at, mass, shape| visit(at, mass, shape / sum));
         }
     }
 
-    fn visit_raw(&self, c: usize, mut visit: impl FnMut(usize, f64)) {
+    fn visit_raw(&self, c: usize, mut visit: impl FnMut(usize, f64, f64)) {
         let range = |d: usize| {
             let [low, high] = [-1.0, 1.0].map(|side| self.centre[d] + side * self.radius);
             let last = self.layout.cells[d];
@@ -56,7 +57,8 @@ impl<'a> Kernel<'a> {
                     let from_centre = face_in_cells(c, i, j, k) - self.centre;
                     let inside = 1.0 - from_centre.length_squared() / (self.radius * self.radius);
                     if inside > 0.0 && self.faces.open[c][at] > 0.0 {
-                        visit(at, f64::from(inside) * f64::from(inside));
+                        let shape = f64::from(inside) * f64::from(inside);
+                        visit(at, self.faces.mass(c, at), shape);
                     }
                 }
             }
@@ -68,11 +70,11 @@ impl<'a> Kernel<'a> {
     pub fn push(&self, velocity: [&mut [f32]; 3], impulse: DVec3, limit: f32) -> DVec3 {
         let mut change = DVec3::ZERO;
         for (c, u) in velocity.into_iter().enumerate() {
-            self.visit(c, |at, weight| {
+            self.visit(c, |at, mass, per_mass| {
                 let before = u[at];
-                let after = (f64::from(before) + impulse[c] * weight) as f32;
+                let after = (f64::from(before) + impulse[c] * per_mass) as f32;
                 u[at] = after.clamp(-limit, limit);
-                change[c] += f64::from(u[at]) - f64::from(before);
+                change[c] += mass * (f64::from(u[at]) - f64::from(before));
             });
         }
         change
@@ -82,16 +84,17 @@ impl<'a> Kernel<'a> {
     pub fn gather(&self, velocity: [&[f32]; 3]) -> Vec3 {
         let mut mean = DVec3::ZERO;
         for (c, u) in velocity.into_iter().enumerate() {
-            self.visit(c, |at, weight| mean[c] += weight * f64::from(u[at]));
+            self.visit(c, |at, mass, per_mass| mean[c] += mass * per_mass * f64::from(u[at]));
         }
         mean.as_vec3()
     }
 
     /// The mass that an impulse moves before the pressure spreads it, in cells, as a mean over
-    /// the components: 1 / sum w^2. Infinite out of reach of the liquid.
+    /// the components: 1 / sum w^2/m. Infinite out of reach of the liquid.
     pub fn mass_in_cells(&self) -> f64 {
         let mut squares = 0.0;
-        (0..3).for_each(|c| self.visit(c, |_, weight| squares += weight * weight / 3.0));
+        (0..3)
+            .for_each(|c| self.visit(c, |_, m, per_mass| squares += m * per_mass * per_mass / 3.0));
         1.0 / squares
     }
 }

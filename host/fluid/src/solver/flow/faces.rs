@@ -1,72 +1,103 @@
-//! What lies between two cells: open liquid, a wall that holds it, or one it slides along.
+//! What lies between two cells: open liquid, a wall that holds it, or one that cuts the face.
 
 use std::ops::Range;
 
 use crate::{
+    grid::Grid,
     mask::Mask,
     solver::{
         Side, Sides, Walls,
-        flow::field::{Field, Layout, Vector},
+        flow::{
+            field::{Field, Layout, Vector},
+            walls::{Depth, WallFaces},
+        },
     },
+    vessel::{Vessel, cut::Cut},
 };
 
 /// Which cells are liquid and which faces open, as factors that kernels multiply by.
 pub struct Faces {
-    /// 1 at open faces, 0 elsewhere.
+    /// 1 at faces that liquid passes as it likes, 0 elsewhere.
     pub open: Vector,
-    /// Weight of a face's own velocity in the viscous stencil (see [`wall_weight`]).
-    pub weight: Vector,
     /// 1 in liquid cells, 0 elsewhere.
     pub liquid: Field,
-    /// Number of open faces of each liquid cell, 0 elsewhere.
-    pub open_count: Field,
     /// The rows of each plane from the first to the last that has any liquid.
     pub live_rows: Vec<Range<usize>>,
     /// Number of liquid cells.
     pub liquid_cells: usize,
-    /// True if all cells are liquid.
+    /// What walls cut; `None` if all cells are liquid throughout.
+    pub vessel: Option<VesselFaces>,
+    /// True if there is nothing that walls cut.
     pub is_box: bool,
 }
 
+/// The cut faces of a vessel.
+pub struct VesselFaces {
+    /// Part of each face that walls leave open, 0 to 1; on the sides of the box too, whether
+    /// liquid passes there or not, and beyond them as next to them. It is the mass of the liquid
+    /// that has the face's velocity, per density and cell volume.
+    pub area: Vector,
+    /// Area of the faces of each liquid cell that liquid passes as it likes, 0 elsewhere.
+    pub open_area: Field,
+    /// What the inverse of that has more than in a cell that no wall cuts, 0 elsewhere.
+    pub lift: Field,
+    /// How a flow near the walls differs from one far from them.
+    pub walls: WallFaces,
+}
+
 impl Faces {
-    /// The faces of the liquid cells of `mask`, between sides and walls as given.
-    pub fn new(layout: &Layout, mask: &Mask, sides: &Sides, walls: Walls) -> Self {
-        let [_, _, nz] = layout.cells;
+    /// The faces of the liquid in `vessel`, between sides and walls as given.
+    pub fn new(layout: &Layout, grid: &Grid, vessel: &Vessel, sides: &Sides, walls: Walls) -> Self {
+        let cut = (*vessel != Vessel::Box).then(|| Cut::new(grid, vessel));
+        let cut = cut.filter(|cut| {
+            let mut parts = cut.face.iter().flatten().chain(&cut.volume);
+            parts.any(|part| *part < 1.0)
+        });
+        let mask = cut.as_ref().map_or_else(|| Mask::full(grid), |cut| Mask::of_cut(grid, cut));
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
-        let (mut open, mut weight) = (vector(), vector());
-        let (mut liquid, mut open_count) = (layout.zeros(), layout.zeros());
-        let mut live_rows = vec![0..0; nz];
+        let (mut open, mut liquid) = (vector(), layout.zeros());
+        let mut live_rows = vec![0..0; layout.cells[2]];
+        let area = cut.as_ref().map(|cut| {
+            per_face(layout, sides, |axis, face| cut.face[axis][cut.face_index(axis, face)])
+        });
+        let is_passed =
+            |axis: usize, at: usize| area.as_ref().is_none_or(|area: &Vector| area[axis][at] > 0.0);
         for (i, j, k) in cells(layout.cells) {
-            let (at, cell) = (layout.index(i, j, k), [i, j, k].map(|c| c as isize));
-            if !mask.is_liquid(cell) {
+            let (at, cell) = (layout.index(i, j, k), [i, j, k]);
+            if !mask.is_liquid(cell.map(|c| c as isize)) {
                 continue;
             }
             let first = if live_rows[k].is_empty() { j } else { live_rows[k].start };
             live_rows[k] = first..j + 1;
             liquid[at] = 1.0;
             for axis in 0..3 {
-                let is_open = |end: usize| {
-                    let other = neighbour(cell, axis, [-1, 1][end]);
-                    let n = layout.cells[axis] as isize;
-                    match sides.0[axis][end] {
-                        _ if (0..n).contains(&other[axis]) => mask.is_liquid(other),
-                        Side::Periodic => mask.is_liquid(wrapped(other, axis, n)),
-                        side => side == Side::Outflow,
-                    }
-                };
-                open_count[at] += f32::from(is_open(0)) + f32::from(is_open(1));
-                if is_open(0) {
+                let [lower, upper] = are_free(layout, sides, axis, cell);
+                if lower && is_passed(axis, at) {
                     open[axis][at] = 1.0;
-                    weight[axis][at] = face_weight(mask, walls, axis, cell);
                 }
-                let is_last = cell[axis] + 1 == layout.cells[axis] as isize;
-                if is_last && sides.0[axis][1] == Side::Outflow {
-                    open[axis][at + layout.strides()[axis]] = 1.0;
+                let above = at + layout.strides()[axis];
+                let is_last = cell[axis] + 1 == layout.cells[axis];
+                if is_last && upper && !sides.is_periodic(axis) && is_passed(axis, above) {
+                    open[axis][above] = 1.0;
                 }
             }
         }
-        let (liquid_cells, is_box) = (mask.liquid_cells(), mask.is_box());
-        Self { open, weight, liquid, open_count, live_rows, liquid_cells, is_box }
+        let vessel = cut.zip(area).map(|(cut, area)| {
+            let depth = (walls == Walls::NoSlip).then(|| Depth {
+                below_wall: per_face(layout, sides, |axis, face| cut.face_depth(axis, face)),
+                bend: per_face(layout, sides, |axis, face| cut.face_bend(axis, face)),
+            });
+            let walls = WallFaces::new(layout, &open, &area, depth);
+            let (open_area, lift) = cell_areas(layout, sides, &mask, &area);
+            VesselFaces { area, open_area, lift, walls }
+        });
+        let (liquid_cells, is_box) = (mask.liquid_cells(), vessel.is_none());
+        Self { open, liquid, live_rows, liquid_cells, vessel, is_box }
+    }
+
+    /// Mass of the liquid that has the velocity of a face, per density and cell volume.
+    pub fn mass(&self, axis: usize, at: usize) -> f64 {
+        self.vessel.as_ref().map_or(1.0, |vessel| f64::from(vessel.area[axis][at]))
     }
 }
 
@@ -75,71 +106,98 @@ pub fn cells([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = (usize, usize, us
     (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j, k))))
 }
 
-fn neighbour(mut cell: [isize; 3], axis: usize, step: isize) -> [isize; 3] {
-    cell[axis] += step;
-    cell
+/// True for the lower and the upper face of a cell if it is no side of the box, or one that lets
+/// pass what comes.
+fn are_free(layout: &Layout, sides: &Sides, axis: usize, cell: [usize; 3]) -> [bool; 2] {
+    let is_free = |side: Side| matches!(side, Side::Periodic | Side::Outflow);
+    let [lower, upper] = sides.0[axis].map(is_free);
+    [cell[axis] > 0 || lower, cell[axis] + 1 < layout.cells[axis] || upper]
 }
 
-fn wrapped(mut cell: [isize; 3], axis: usize, n: isize) -> [isize; 3] {
-    cell[axis] = cell[axis].rem_euclid(n);
-    cell
-}
-
-/// The viscous stencil of an open face is the sum over its six neighbours minus this weight
-/// times its own velocity; neighbours in a wall count 0, those beyond a side are ghosts.
-fn face_weight(mask: &Mask, walls: Walls, axis: usize, cell: [isize; 3]) -> f32 {
-    let sides = (0..3).flat_map(|along| [(along, -1), (along, 1)]);
-    let weights = sides.map(|(along, step)| {
-        let other = neighbour(cell, along, step);
-        wall_weight(mask, walls, axis, along, other)
-    });
-    weights.sum()
-}
-
-/// What one neighbour adds to the weight: 1 if it is open, a ghost, or a face of 0 velocity one
-/// spacing away. A wall beside the face is half a spacing away: its mirrored ghost makes 2
-/// where the liquid sticks to it, 0 where it slides.
-fn wall_weight(mask: &Mask, walls: Walls, axis: usize, along: usize, other: [isize; 3]) -> f32 {
-    let is_beside = along != axis;
-    let is_solid = |cell| mask.contains(cell) && !mask.is_liquid(cell);
-    let is_wall = is_solid(other) && is_solid(neighbour(other, axis, -1));
-    match walls {
-        _ if !(is_beside && is_wall) => 1.0,
-        Walls::NoSlip => 2.0,
-        Walls::FreeSlip => 0.0,
+/// The least of `value(axis, face)` for the places that a face has in a periodic box. Beyond
+/// the sides it is as next to them.
+fn per_face(layout: &Layout, sides: &Sides, value: impl Fn(usize, [usize; 3]) -> f32) -> Vector {
+    let mut out = [layout.zeros(), layout.zeros(), layout.zeros()];
+    let [_, sy, sz] = layout.strides();
+    for (c, out) in out.iter_mut().enumerate() {
+        for (i, j, k) in cells(layout.cells.map(|n| n + 2)) {
+            let padded = [i, j, k];
+            let face = std::array::from_fn(|axis| {
+                let n = layout.cells[axis];
+                let last = if axis == c { n } else { n - 1 };
+                match sides.is_periodic(axis) {
+                    true => (padded[axis] + n - 1) % n,
+                    false => padded[axis].saturating_sub(1).min(last),
+                }
+            });
+            let mut least = value(c, face);
+            if sides.is_periodic(c) && face[c] == 0 {
+                let mut same = face;
+                same[c] = layout.cells[c];
+                least = least.min(value(c, same));
+            }
+            out[i + j * sy + k * sz] = least;
+        }
     }
+    out
+}
+
+/// Open area of every liquid cell, and what its inverse has more than without walls.
+fn cell_areas(layout: &Layout, sides: &Sides, mask: &Mask, area: &Vector) -> (Field, Field) {
+    let (mut open_area, mut lift) = (layout.zeros(), layout.zeros());
+    for (i, j, k) in cells(layout.cells) {
+        let (at, cell) = (layout.index(i, j, k), [i, j, k]);
+        if !mask.is_liquid(cell.map(|c| c as isize)) {
+            continue;
+        }
+        let (mut open, mut whole) = (0.0, 0.0);
+        for (axis, area) in area.iter().enumerate() {
+            for (end, is_free) in are_free(layout, sides, axis, cell).into_iter().enumerate() {
+                let free = f32::from(is_free);
+                open += free * area[at + end * layout.strides()[axis]];
+                whole += free;
+            }
+        }
+        open_area[at] = open;
+        lift[at] = if open > 0.0 { 1.0 / open - 1.0 / whole } else { 0.0 };
+    }
+    (open_area, lift)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{grid::Grid, vessel::Vessel};
 
-    #[test]
-    fn periodic_and_outflow_sides_are_open_and_all_others_closed() {
-        let layout = Layout::new([4; 3]);
-        let mask = Mask::new(&Grid::unit_cube(4), &Vessel::Box);
-        let sides = Sides::all(Side::NoSlip)
-            .with(0, [Side::Periodic; 2])
-            .with(1, [Side::Outflow, Side::FreeSlip]);
-        let faces = Faces::new(&layout, &mask, &sides, Walls::NoSlip);
-        let open = |axis: usize, [i, j, k]: [usize; 3]| faces.open[axis][layout.index(i, j, k)];
-        assert_eq!((open(0, [0, 1, 1]), open(1, [1, 0, 1]), open(2, [1, 1, 0])), (1.0, 1.0, 0.0));
-        assert_eq!((open(1, [1, 4, 1]), open(1, [1, 1, 1])), (0.0, 1.0));
-        assert_eq!(faces.open_count[layout.index(0, 0, 0)], 2.0 + 2.0 + 1.0);
-        assert_eq!(faces.weight[0][layout.index(2, 0, 0)], 6.0, "sides have ghosts");
+    fn faces_of(grid: &Grid, vessel: &Vessel, sides: &Sides) -> (Layout, Faces) {
+        let layout = Layout::new(grid.cells);
+        (layout, Faces::new(&layout, grid, vessel, sides, Walls::NoSlip))
     }
 
     #[test]
-    fn open_faces_are_counted_from_both_sides() {
-        let grid = Grid::unit_cube(8);
-        let layout = Layout::new(grid.cells);
+    fn periodic_and_outflow_sides_are_open_and_all_others_closed() {
+        let sides = Sides::all(Side::NoSlip)
+            .with(0, [Side::Periodic; 2])
+            .with(1, [Side::Outflow, Side::FreeSlip]);
+        let (layout, faces) = faces_of(&Grid::unit_cube(4), &Vessel::Box, &sides);
+        let open = |axis: usize, [i, j, k]: [usize; 3]| faces.open[axis][layout.index(i, j, k)];
+        assert_eq!((open(0, [0, 1, 1]), open(1, [1, 0, 1]), open(2, [1, 1, 0])), (1.0, 1.0, 0.0));
+        assert_eq!((open(1, [1, 4, 1]), open(1, [1, 1, 1])), (0.0, 1.0));
+        assert!(faces.is_box && faces.vessel.is_none());
+    }
+
+    #[test]
+    fn open_faces_are_counted_from_both_sides_and_cells_have_some() {
         let pot = Vessel::Pot { centre_in_world_m: glam::Vec3::splat(0.5), radius_m: 0.45 };
-        let faces =
-            Faces::new(&layout, &Mask::new(&grid, &pot), &Sides::all(Side::NoSlip), Walls::NoSlip);
-        let open: f32 = faces.open.iter().flat_map(|open| open.iter()).sum();
-        assert!(open > 0.0 && !faces.is_box);
-        assert_eq!(faces.open_count.iter().sum::<f32>(), 2.0 * open);
+        let (layout, faces) = faces_of(&Grid::unit_cube(8), &pot, &Sides::all(Side::NoSlip));
+        let vessel = faces.vessel.as_ref().expect("no box");
+        let mut open = 0.0;
+        for (i, j, k) in cells(layout.cells) {
+            let at = layout.index(i, j, k);
+            open += (0..3).map(|c| faces.open[c][at] * vessel.area[c][at]).sum::<f32>();
+            assert_eq!(faces.liquid[at] > 0.0, vessel.open_area[at] > 0.0);
+        }
+        let counted = vessel.open_area.iter().sum::<f32>();
+        assert!(open > 0.0 && (counted - 2.0 * open).abs() < 1e-3, "{counted} {open}");
         assert_eq!(faces.liquid.iter().sum::<f32>(), faces.liquid_cells as f32);
     }
 }

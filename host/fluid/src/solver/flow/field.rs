@@ -212,6 +212,15 @@ impl<'a> FaceRuns<'a> {
         (x.1[i] - x.0[i]) + (y.1[i] - y.0[i]) + (z.1[i] - z.0[i])
     }
 
+    /// The same of faces that are open in part.
+    #[inline(always)]
+    pub fn outflow_through(&self, area: &Self, i: usize) -> f32 {
+        let (Self { x, y, z }, a) = (self, area);
+        (a.x.1[i] * x.1[i] - a.x.0[i] * x.0[i])
+            + (a.y.1[i] * y.1[i] - a.y.0[i] * y.0[i])
+            + (a.z.1[i] * z.1[i] - a.z.0[i] * z.0[i])
+    }
+
     /// Adds the squares on the lower faces to `sum`.
     #[inline(always)]
     pub fn add_squares(&self, sum: &mut Lanes) {
@@ -247,6 +256,19 @@ impl Lanes {
         for (share, (a, b)) in share.as_chunks::<BLOCK>().0.iter().zip(pairs) {
             for lane in 0..BLOCK {
                 self.0[lane] += share[lane] * a[lane] * b[lane];
+            }
+        }
+    }
+
+    /// Adds all `weight[i] * a[i] * b[i]`; all are of one length.
+    #[inline(always)]
+    pub fn add_weighted(&mut self, weight: &[f32], a: &[f32], b: &[f32]) {
+        let len = a.len();
+        for start in (0..len).step_by(BLOCK) {
+            let count = BLOCK.min(len - start);
+            let part = (cut(weight, start, count), cut(a, start, count), cut(b, start, count));
+            for lane in 0..count {
+                self.0[lane] += part.0[lane] * (part.1[lane] * part.2[lane]);
             }
         }
     }

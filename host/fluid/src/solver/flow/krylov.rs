@@ -3,11 +3,14 @@
 //!
 //! The preconditioner is the direct solver of the whole box: residual extended by 0, solution
 //! restricted to the liquid. The energy of the extension is bounded by that of the liquid's own
-//! field, so the number of iterations does not grow with the grid.
+//! field, so the number of iterations does not grow with the grid. A cell that walls leave little
+//! open area is worth more than the box knows: what its own inverse has beyond that of a whole
+//! cell is added (Jacobi).
 
 use crate::solver::flow::{
     engine::Engine,
-    field::{Field, Lanes, Layout, Run, Star, cut, cut_mut},
+    faces::VesselFaces,
+    field::{FaceRuns, Field, Lanes, Layout, Run, Star, components, cut, cut_mut},
     ghosts::Ghosts,
     poisson::Poisson,
 };
@@ -45,14 +48,14 @@ impl Engine<'_> {
         let small = (square * RELATIVE_TOLERANCE * RELATIVE_TOLERANCE)
             .max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
         psi.fill(0.0);
-        if square <= small {
+        let Some(vessel) = self.faces.vessel.as_ref().filter(|_| square > small) else {
             return 0;
-        }
-        let mut rz = self.precondition(layout, poisson, residual, z);
+        };
+        let mut rz = self.precondition(layout, vessel, poisson, residual, z);
         p.copy_from_slice(z);
         ghosts.wrap_cells(p);
         for iteration in 1..=MAX_ITERATIONS {
-            let curvature = self.apply(layout, p, q);
+            let curvature = self.apply(layout, vessel, p, q);
             if !(curvature > 0.0 && rz > 0.0) {
                 return iteration as u32;
             }
@@ -60,7 +63,7 @@ impl Engine<'_> {
             if square <= small || iteration == MAX_ITERATIONS {
                 return iteration as u32;
             }
-            let rz_next = self.precondition(layout, poisson, residual, z);
+            let rz_next = self.precondition(layout, vessel, poisson, residual, z);
             self.turn(layout, (rz_next / rz) as f32, z, p);
             ghosts.wrap_cells(p);
             rz = rz_next;
@@ -72,6 +75,7 @@ impl Engine<'_> {
     fn precondition(
         &self,
         layout: &Layout,
+        vessel: &VesselFaces,
         poisson: &mut Poisson,
         r: &[f32],
         z: &mut Field,
@@ -81,11 +85,12 @@ impl Engine<'_> {
             let (at, len) = ((k + 1) * layout.plane, layout.plane);
             let (z, liquid, r) =
                 (cut_mut(z, 0, len), cut(&self.faces.liquid, at, len), cut(r, at, len));
+            let lift = cut(&vessel.lift, at, len);
             self.simd.vectorize(
                 #[inline(always)]
                 || {
-                    for (z, liquid) in z.iter_mut().zip(liquid) {
-                        *z *= liquid;
+                    for i in 0..len {
+                        z[i] = z[i] * liquid[i] + lift[i] * r[i];
                     }
                     let mut sum = Lanes::default();
                     sum.add_product(z, r);
@@ -96,7 +101,7 @@ impl Engine<'_> {
     }
 
     /// q = A p; returns p . q. p is 0 outside the liquid.
-    fn apply(&self, layout: &Layout, p: &[f32], q: &mut Field) -> f64 {
+    fn apply(&self, layout: &Layout, vessel: &VesselFaces, p: &[f32], q: &mut Field) -> f64 {
         self.pool.planes_sum([layout.planes(q)], [layout.plane], |k, [q]| {
             self.run(
                 layout,
@@ -105,9 +110,13 @@ impl Engine<'_> {
                 |Run { at, to, len }, sums| {
                     let (q, p) = (cut_mut(q, to, len), Star::new(layout, p, at, len));
                     let liquid = cut(&self.faces.liquid, at, len);
-                    let count = cut(&self.faces.open_count, at, len);
+                    let area = FaceRuns::new(layout, components(&vessel.area), at, len);
+                    let open = cut(&vessel.open_area, at, len);
                     for i in 0..q.len() {
-                        q[i] = liquid[i] * (count[i] * p.here[i] - p.around(i));
+                        let x = area.x.0[i] * p.x.0[i] + area.x.1[i] * p.x.1[i];
+                        let y = area.y.0[i] * p.y.0[i] + area.y.1[i] * p.y.1[i];
+                        let z = area.z.0[i] * p.z.0[i] + area.z.1[i] * p.z.1[i];
+                        q[i] = liquid[i] * (open[i] * p.here[i] - (x + y + z));
                     }
                     sums[0].add_product(p.here, q);
                 },

@@ -30,7 +30,7 @@ use self::{
     engine::Engine,
     exchange::Kernel,
     faces::{Faces, cells},
-    field::{FaceRuns, Field, Layout, Vector, components, cut},
+    field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
     pressure::{Prediction, Projection},
     stages::History,
@@ -40,7 +40,6 @@ use self::{
 };
 use crate::{
     grid::Grid,
-    mask::Mask,
     pool::Pool,
     simd::SimdClass,
     solver::{
@@ -86,6 +85,8 @@ pub struct Flow {
     pool: Arc<Pool>,
     simd: SimdClass,
     velocity: Vector,
+    /// What passes each face, per area of a whole one; `None` in a box, where it is the velocity.
+    fluxes: Option<Vector>,
     /// Two stages of a step; of a multistep one, the result and the rates of the last.
     stage: [Vector; 2],
     /// What the rates are good for; `None` if there are none.
@@ -127,8 +128,7 @@ impl Flow {
         let density_kg_m3 = not_negative("density_kg_m3", setup.density_kg_m3)?;
         let viscosity_m2_s = not_negative("viscosity_m2_s", setup.viscosity_m2_s)?;
         let layout = Layout::new(setup.grid.cells);
-        let mask = Mask::new(&setup.grid, &setup.vessel);
-        let faces = Faces::new(&layout, &mask, &setup.sides, setup.walls);
+        let faces = Faces::new(&layout, &setup.grid, &setup.vessel, &setup.sides, setup.walls);
         let ghosts = Ghosts::new(&layout, &setup.sides);
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
         let mut flow = Self {
@@ -140,9 +140,10 @@ impl Flow {
             pool: Arc::clone(&setup.pool),
             simd: setup.simd,
             velocity: vector(),
+            fluxes: faces.vessel.is_some().then(vector),
             stage: [vector(), vector()],
             history: None,
-            viscous: Viscous::new(&layout, &faces),
+            viscous: Viscous::new(&layout),
             pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
             projection: Projection::new(&layout, &faces, &ghosts, &setup.pool),
@@ -229,6 +230,7 @@ impl Flow {
         let velocity = self.velocity.each_mut().map(|u| &mut **u);
         let change = kernel.push(velocity, impulse_n_s / mass_kg, MAX_SPEED_M_S);
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.set_fluxes();
         self.survey = None;
         Ok(change * mass_kg)
     }
@@ -247,22 +249,36 @@ impl Flow {
         self.cell_mass_kg() * self.kernel(centre_in_world_m, radius_m).mass_in_cells()
     }
 
-    /// Momentum of the liquid: the sum of rho u h^3 over open faces, in f64.
+    /// Momentum of the liquid: the sum of rho u h^3 over the open parts of all faces,
+    /// in f64.
     #[must_use]
     pub fn momentum_n_s(&self) -> DVec3 {
         let [nx, _, nz] = self.layout.cells;
         let rows =
             |k| self.layout.rows_in_plane().map(move |row| (k + 1) * self.layout.plane + row);
-        let total = |u: &Field| {
-            let values = (0..nz).flat_map(rows).flat_map(|row| cut(u, row, nx));
-            values.fold(0.0, |sum, u| sum + f64::from(*u))
+        let total = |c: usize| {
+            let faces = (0..nz).flat_map(rows).flat_map(|row| row..row + nx);
+            faces
+                .fold(0.0, |sum, at| sum + self.faces.mass(c, at) * f64::from(self.velocity[c][at]))
         };
-        DVec3::from_array(self.velocity.each_ref().map(total)) * self.cell_mass_kg()
+        DVec3::from_array([0, 1, 2].map(total)) * self.cell_mass_kg()
     }
 
-    /// The velocities on faces and their layout, for what is carried with the flow.
-    pub(crate) fn face_velocities(&self) -> (&Layout, [&[f32]; 3]) {
-        (&self.layout, components(&self.velocity))
+    /// What passes the faces per area of a whole one, and its layout, for what is carried with
+    /// the flow: it is as free of divergence as the flow is.
+    pub(crate) fn face_fluxes(&self) -> (&Layout, [&[f32]; 3]) {
+        (&self.layout, components(self.fluxes.as_ref().unwrap_or(&self.velocity)))
+    }
+
+    /// Brings the fluxes up to date.
+    fn set_fluxes(&mut self) {
+        if let (Some(fluxes), Some(vessel)) = (&mut self.fluxes, &self.faces.vessel) {
+            for (flux, (area, u)) in fluxes.iter_mut().zip(vessel.area.iter().zip(&self.velocity)) {
+                for (flux, (area, u)) in flux.iter_mut().zip(area.iter().zip(u.iter())) {
+                    *flux = area * u;
+                }
+            }
+        }
     }
 
     /// A point in cells from the grid's corner.
@@ -312,8 +328,17 @@ impl Flow {
         for row in (0..nz).flat_map(rows) {
             let faces = FaceRuns::new(&self.layout, components(&self.velocity), row, nx);
             let liquid = cut(&self.faces.liquid, row, nx);
+            let area = self
+                .faces
+                .vessel
+                .as_ref()
+                .map(|vessel| FaceRuns::new(&self.layout, components(&vessel.area), row, nx));
             let cells = (0..nx).filter(|i| liquid[*i] > 0.0);
-            cells.for_each(|i| visit(faces.outflow(i)));
+            cells.for_each(|i| {
+                visit(
+                    area.map_or_else(|| faces.outflow(i), |area| faces.outflow_through(&area, i)),
+                );
+            });
         }
     }
 
@@ -344,6 +369,7 @@ impl Solver for Flow {
         self.sample("velocity_m_s", velocity_m_s, limit, &mut sampled)?;
         self.velocity = sampled;
         self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
+        self.set_fluxes();
         self.excess_m2_s2 = 0.0;
         self.pressure_dt_s = 0.0;
         self.history = None;
@@ -372,6 +398,7 @@ impl Solver for Flow {
 
     fn project(&mut self) {
         self.survey = Some(self.clear_divergence().survey);
+        self.set_fluxes();
     }
 
     fn visit(&self, visit: &mut VisitVelocity<'_>) {

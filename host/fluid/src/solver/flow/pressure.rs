@@ -3,11 +3,10 @@
 //! ```text
 //! A psi = -delta,   u_face -= psi_i - psi_(i-1),   pressure += psi / dt
 //! ```
-//! delta is the sum of a cell's face velocities, outwards; A is the seven-point operator on
-//! open faces. In a box it is inverted directly. In a pot conjugate gradients (Hestenes,
-//! Stiefel 1952) use the box's direct solver as their preconditioner: residual extended by 0 to
-//! the whole box, solution restricted to the liquid. The energy of the extension is bounded by
-//! that of the liquid's own field, so the number of iterations does not grow with the grid.
+//! delta is the sum of what flows out of a cell's faces; A is the seven-point operator on open
+//! faces. In a box it is inverted directly. In a vessel both weigh a face by the part of it that
+//! walls leave open (Ng, Min, Gibou 2009; Batty, Bertails, Bridson 2007), and conjugate gradients
+//! use the box's direct solver (see [`super::krylov`]).
 
 use crate::{
     pool::Pool,
@@ -174,7 +173,6 @@ fn set_residual(
     velocity: [&[f32]; 3],
     residual: &mut Field,
 ) -> [f64; 2] {
-    let is_box = on.faces.is_box;
     let body = |k, [out]: [&mut [f32]; 1]| {
         on.run(
             layout,
@@ -183,12 +181,16 @@ fn set_residual(
             |Run { at, to, len }, sums| {
                 let out = cut_mut(out, to, len);
                 let faces = FaceRuns::new(layout, velocity, at, len);
-                out.iter_mut().enumerate().for_each(|(i, out)| *out = -faces.outflow(i));
-                if !is_box {
+                if let Some(vessel) = &on.faces.vessel {
+                    let area = FaceRuns::new(layout, components(&vessel.area), at, len);
                     let liquid = cut(&on.faces.liquid, at, len);
-                    out.iter_mut().zip(liquid).for_each(|(out, liquid)| *out *= liquid);
+                    for i in 0..out.len() {
+                        out[i] = -liquid[i] * faces.outflow_through(&area, i);
+                    }
                     sums[0].add_product(out, out);
                     faces.add_squares(&mut sums[1]);
+                } else {
+                    out.iter_mut().enumerate().for_each(|(i, out)| *out = -faces.outflow(i));
                 }
             },
         )

@@ -11,7 +11,7 @@ use crate::solver::flow::{
     pressure::Prediction,
     step::Part,
     viscous::implicit_share,
-    walls::{hold, hold_rates},
+    walls::{Weights, correct, hold},
 };
 
 /// Ratios of the lengths of two parts between which the pressure of one predicts the other's.
@@ -109,9 +109,9 @@ impl Flow {
                 |class| part.compute(class),
             );
             if !faces.is_box {
-                let per_s = terms.viscous_per_s;
-                hold(on, stage.velocity, run, advance.new_s * per_s, [x, y, z]);
-                hold_rates(on, stage.velocity, run, per_s, [gx, gy, gz]);
+                let rates = Weights::of(terms, 1.0);
+                hold(on, stage, k, run, Weights::of(terms, advance.new_s), [x, y, z]);
+                correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
         ghosts.fill_normals(out);
@@ -138,13 +138,17 @@ impl Flow {
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
             let Some(run) = on.live_run(layout, k) else { return };
             let out = [&mut *x, &mut *y, &mut *z];
-            let part = SemiRun { stage, advance, run, history: [gx, gy, gz], out };
+            let history = [&mut *gx, &mut *gy, &mut *gz];
+            let part = SemiRun { stage, advance, run, history, out };
             on.simd.vectorize_as(
                 #[inline(always)]
                 |class| part.compute(class),
             );
             if !faces.is_box {
-                hold(on, stage.velocity, run, viscous, [x, y, z]);
+                let rates = Weights::of(terms, 1.0);
+                let weights = Weights { viscous, ..Weights::of(terms, advance.rates.new_s) };
+                hold(on, stage, k, run, weights, [x, y, z]);
+                correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
         ghosts.fill(out, Fill::Difference);
@@ -197,8 +201,8 @@ impl Flow {
                     |class| part.compute(class),
                 );
                 if !faces.is_box {
-                    let viscous = own_share * advance.dt_s * stage.terms.viscous_per_s;
-                    hold(on, stage.velocity, run, viscous, out);
+                    let weights = Weights::of(stage.terms, own_share * advance.dt_s);
+                    hold(on, stage, k, run, weights, out);
                 }
             });
             ghosts.fill(to, Fill::Unprojected);

@@ -62,6 +62,7 @@ impl Flow {
         }
         let after = self.guard(before, after, dt_s, &mut report);
         self.settle(after);
+        self.set_fluxes();
         report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
         report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
         Ok(report)

@@ -8,11 +8,11 @@ use crate::solver::flow::{
 /// What a survey found. Energies are per density and cell volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Survey {
-    /// Sum of u^2 / 2 over all faces.
+    /// Sum of u^2 / 2 over all faces, by their open parts.
     pub energy_m2_s2: f64,
     /// Largest |u| + |v| + |w| over the lower faces of a cell.
     pub speed_m_s: f64,
-    /// Sum of f . u over all faces.
+    /// Sum of f . u over all faces, by their open parts.
     pub power_m2_s3: f64,
 }
 
@@ -52,28 +52,50 @@ pub fn survey_plane(
     k: usize,
 ) -> [f64; 4] {
     let mut speed = Largest::default();
-    let [squares, power, ..] = on.run(
-        layout,
-        k,
-        #[inline(always)]
-        |Run { at, to, len }, [squares, power]| {
-            // Beyond the sides there are ghosts, which are not to be counted.
-            let is_inside = cut(&on.faces.liquid, at, len);
-            let [u, v, w] = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
-            speed.raise(
-                len,
-                #[inline(always)]
-                |i| is_inside[i] * (u[i].abs() + v[i].abs() + w[i].abs()),
-            );
-            for u in [u, v, w] {
-                squares.add_shared_product(is_inside, u, u);
-            }
-            if let Some(force) = force {
-                for (u, f) in [u, v, w].into_iter().zip(force) {
-                    power.add_shared_product(is_inside, u, cut(f, to, len));
+    let [squares, power, ..] = match &on.faces.vessel {
+        None => on.run(
+            layout,
+            k,
+            #[inline(always)]
+            |Run { at, to, len }, [squares, power]| {
+                // Beyond the sides there are ghosts, which are not to be counted.
+                let is_inside = cut(&on.faces.liquid, at, len);
+                let [u, v, w] = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
+                speed.raise(
+                    len,
+                    #[inline(always)]
+                    |i| is_inside[i] * (u[i].abs() + v[i].abs() + w[i].abs()),
+                );
+                for u in [u, v, w] {
+                    squares.add_shared_product(is_inside, u, u);
                 }
-            }
-        },
-    );
+                if let Some(force) = force {
+                    for (u, f) in [u, v, w].into_iter().zip(force) {
+                        power.add_shared_product(is_inside, u, cut(f, to, len));
+                    }
+                }
+            },
+        ),
+        Some(vessel) => on.rows(
+            layout,
+            k,
+            #[inline(always)]
+            |Run { at, to, len }, [squares, power]| {
+                let [u, v, w] = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
+                speed.raise(
+                    len,
+                    #[inline(always)]
+                    |i| u[i].abs() + v[i].abs() + w[i].abs(),
+                );
+                for (c, u) in [u, v, w].into_iter().enumerate() {
+                    let area = cut(&vessel.area[c], at, len);
+                    squares.add_weighted(area, u, u);
+                    if let Some(force) = force {
+                        power.add_weighted(area, u, cut(force[c], to, len));
+                    }
+                }
+            },
+        ),
+    };
     [squares, speed.get(), power, 0.0]
 }

@@ -1,8 +1,9 @@
 //! Implicit viscosity, for liquid too thick for explicit steps.
 //!
 //! ```text
-//! (1 + s D) change = rhs,   s = theta nu dt / h^2,   D u = weight u - sum over neighbours
+//! (m + s D) change = m rhs,   s = theta nu dt / h^2,   D u = 6 u - sum over neighbours
 //! ```
+//! with m = 1 and this D wherever no wall is near (else see [`super::walls`]).
 //! The right side is a whole step's change as the old velocity would have it: what is at rest
 //! or steady stays so, whatever the step. theta is 1/2 (Crank, Nicolson 1947) while that damps
 //! the finest ripples well, and goes to 1 (backward Euler) beyond: see [`implicit_share`]. The
@@ -11,7 +12,7 @@
 
 use crate::solver::flow::{
     engine::Engine,
-    faces::Faces,
+    faces::VesselFaces,
     field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut},
     ghosts::{Fill, Ghosts},
 };
@@ -39,8 +40,8 @@ pub struct Viscous {
 }
 
 impl Viscous {
-    /// For the liquid of `faces`.
-    pub fn new(layout: &Layout, _faces: &Faces) -> Self {
+    /// For a grid of this layout.
+    pub fn new(layout: &Layout) -> Self {
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
         Self { layout: *layout, krylov: [vector(), vector()] }
     }
@@ -48,9 +49,12 @@ impl Viscous {
     /// rhs = -a D u, the change that viscosity alone would make of `velocity`, a = nu dt / h^2.
     pub fn set_rhs(&self, on: Engine<'_>, velocity: &Vector, rhs: &mut Vector, a: f32) {
         apply(on, &self.layout, components(velocity), rhs, [0.0, -a]);
+        if let Some(vessel) = &on.faces.vessel {
+            vessel.walls.weigh(rhs, true);
+        }
     }
 
-    /// Adds the solution of (1 + s D) change = rhs to `velocity`, and fills its ghosts; `rhs` is
+    /// Adds the solution of (m + s D) change = m rhs to `velocity`, and fills its ghosts; `rhs` is
     /// used up. Returns the number of iterations.
     pub fn solve(
         &mut self,
@@ -61,6 +65,9 @@ impl Viscous {
         velocity: &mut Vector,
     ) -> u32 {
         let (layout, [direction, product], residual) = (&self.layout, &mut self.krylov, rhs);
+        if let Some(vessel) = &on.faces.vessel {
+            vessel.walls.weigh(residual, false);
+        }
         let mut square = norm(on, layout, components(residual));
         let speed_square = norm(on, layout, components(velocity));
         let small =
@@ -99,7 +106,7 @@ fn apply(
 ) -> f64 {
     let outs = out.each_mut().map(|out| layout.planes(out));
     on.pool.planes_sum(outs, [layout.plane; 3], |k, [x, y, z]| {
-        on.run(
+        let sum = on.run(
             layout,
             k,
             #[inline(always)]
@@ -108,7 +115,10 @@ fn apply(
                 apply_row::<1>(on, layout, u[1], at, cut_mut(y, to, len), shares, sum);
                 apply_row::<2>(on, layout, u[2], at, cut_mut(z, to, len), shares, sum);
             },
-        )[0]
+        )[0];
+        let beside_walls =
+            |vessel: &VesselFaces| vessel.walls.apply(layout, u, k, shares, [x, y, z]);
+        sum + on.faces.vessel.as_ref().map_or(0.0, beside_walls)
     })
 }
 
@@ -124,10 +134,9 @@ fn apply_row<const C: usize>(
 ) {
     let u = Star::new(layout, u, at, out.len());
     let open = cut(&on.faces.open[C], at, out.len());
-    let weight = cut(&on.faces.weight[C], at, out.len());
     for i in 0..out.len() {
         let here = u.here[i];
-        out[i] = open[i] * (own * here + share * (weight[i] * here - u.around(i)));
+        out[i] = open[i] * (own * here + share * (6.0 * here - u.around(i)));
     }
     sum.add_product(u.here, out);
 }

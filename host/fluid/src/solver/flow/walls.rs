@@ -1,54 +1,291 @@
-//! What the walls of a vessel do to a stage of the momentum equation.
+//! What the walls of a vessel do to the momentum equation.
+//!
+//! The liquid of a face with neighbours g = f + d is bounded by areas A_g (the mean of those of
+//! the faces that they are made of) and by the wall:
+//! ```text
+//! m du/dt = -1/(4 h) sum over axes of [ Q+ u(+d) - Q- u(-d) ]            Q = A times velocity
+//!           + nu/h^2 ( sum over g of A_g (u_g - u) - W u ) + m (f - grad p)
+//! ```
+//! Advection stays skew-symmetric and free of sources in a uniform stream; viscosity is symmetric
+//! and negative. The inertia m is the face's own area, but not less than the mean of the A_g
+//! along any axis, nor than the friction needs: then no explicit step has less room than far from
+//! the walls.
+//!
+//! The drag W is 0 where the liquid slides. Where it sticks, a velocity that grows linearly with
+//! the depth s below the wall has no net friction: that gives W = (sum A_g (s_g - s) - V lap s) / s,
+//! s being the mean over the open part of a face. So what distances between the middles of cut faces do
+//! to their friction is made up for, and no more than the slope of the depth at the wall
+//! is asked of a distance.
 
 use crate::solver::flow::{
     engine::Engine,
-    field::{Run, cut, cut_mut},
+    faces::cells,
+    field::{Layout, Run, Vector, cut, cut_mut},
+    momentum::{Stage, Terms},
 };
 
-/// Corrects a stage that was computed as if there were liquid everywhere: the viscous stencil
-/// of a face beside a wall has another weight than 6 (see [`super::faces::Faces::weight`]), and
-/// nothing passes a closed face. `viscous` is the weight of the stencil in `out`.
-pub fn hold(on: Engine<'_>, velocity: [&[f32]; 3], run: Run, viscous: f32, out: [&mut [f32]; 3]) {
-    for (c, out) in out.into_iter().enumerate() {
-        let out = cut_mut(out, run.to, run.len);
-        hold_component(on, c, velocity, run, viscous, out, true);
+/// The wall takes at least this part of what it would take at a distance of 1: less says that two
+/// walls are so near to each other that the depth between them tells of neither.
+const LEAST_GRIP: f32 = 0.4;
+
+/// (2 sum A + W) / m is at most this, which is 12 far from walls: the schedule leaves Runge and
+/// Kutta's three stages that much room, and more to two steps of Adams and Bashforth.
+const STIFFEST: f32 = 13.6;
+
+/// For that, the inertia of a face close to a wall is raised up to this; beyond, drag is held back.
+const MOST_INERTIA: f32 = 0.75;
+
+/// A face beside a wall.
+#[derive(Clone, Copy)]
+struct WallFace {
+    at: u32,
+    inertia: f32,
+    per_inertia: f32,
+    drag: f32,
+    /// Areas towards its neighbours: before and behind along x, y and z.
+    areas: [[f32; 2]; 3],
+}
+
+/// The faces beside walls, by component, in the order of memory.
+pub struct WallFaces {
+    faces: [Vec<WallFace>; 3],
+    /// Where each plane's begin, and where the last one's end.
+    first: [Vec<usize>; 3],
+}
+
+/// The depth below a wall at faces, in spacings.
+pub struct Depth {
+    /// Mean over the open part of each face.
+    pub below_wall: Vector,
+    /// Sum of its second differences.
+    pub bend: Vector,
+}
+
+/// Weights of the terms of the momentum equation in what a kernel has computed.
+#[derive(Clone, Copy)]
+pub struct Weights {
+    /// Of the sum of doubled fluxes.
+    pub advection: f32,
+    /// Of the viscous stencil.
+    pub viscous: f32,
+}
+
+impl Weights {
+    /// Those of `terms` that were taken times `dt_s`.
+    pub fn of(terms: Terms, dt_s: f32) -> Self {
+        Self { advection: dt_s * terms.advection_per_m, viscous: dt_s * terms.viscous_per_s }
+    }
+}
+
+impl WallFaces {
+    /// For the faces that are `open` in `area`; `depth` is that below a wall that
+    /// the liquid sticks to.
+    pub fn new(layout: &Layout, open: &Vector, area: &Vector, depth: Option<Depth>) -> Self {
+        let [_, _, nz] = layout.cells;
+        let (mut faces, mut first) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
+        for c in 0..3 {
+            first[c] = vec![0; nz + 1];
+            for (i, j, k) in cells(layout.cells) {
+                let at = layout.index(i, j, k);
+                if open[c][at] > 0.0 {
+                    faces[c].extend(WallFace::new(layout, c, at, area));
+                }
+                first[c][k + 1] = faces[c].len();
+            }
+            if let Some(depth) = &depth {
+                let depth = [&*depth.below_wall[c], &depth.bend[c], &area[c]];
+                set_drag(layout, depth, &mut faces[c]);
+            }
+        }
+        Self { faces, first }
+    }
+
+    fn in_plane(&self, c: usize, k: usize) -> &[WallFace] {
+        &self.faces[c][self.first[c][k]..self.first[c][k + 1]]
+    }
+
+    /// Corrects plane `k` of what was computed as if there were liquid everywhere.
+    pub fn correct(
+        &self,
+        stage: Stage<'_>,
+        area: &Vector,
+        k: usize,
+        weights: Weights,
+        out: [&mut [f32]; 3],
+    ) {
+        for (c, out) in out.into_iter().enumerate() {
+            for face in self.in_plane(c, k) {
+                let at = face.at as usize;
+                let (free, held) = face.terms(&stage, area, c);
+                let change = |n: usize| face.per_inertia * held[n] - free[n];
+                out[at - (k + 1) * stage.layout.plane] +=
+                    weights.advection * change(0) + weights.viscous * change(1);
+            }
+        }
+    }
+
+    /// Sets plane `k` of `out` to own m u + share D u, where D u is the friction as in the module's
+    /// formula; returns what that adds to the sum of u `out`.
+    pub fn apply(
+        &self,
+        layout: &Layout,
+        u: [&[f32]; 3],
+        k: usize,
+        [own, share]: [f32; 2],
+        out: [&mut [f32]; 3],
+    ) -> f64 {
+        let mut sum = 0.0;
+        for (c, out) in out.into_iter().enumerate() {
+            for face in self.in_plane(c, k) {
+                let (here, out) = (u[c][face.at as usize], &mut out[face.in_own(layout, k)]);
+                let before = *out;
+                *out = own * face.inertia * here - share * face.friction(layout, u[c]);
+                sum += f64::from(here) * (f64::from(*out) - f64::from(before));
+            }
+        }
+        sum
+    }
+
+    /// Multiplies by the inertia, or divides by it.
+    pub fn weigh(&self, vector: &mut Vector, divides: bool) {
+        for (faces, field) in self.faces.iter().zip(vector) {
+            for face in faces {
+                let weight = if divides { face.per_inertia } else { face.inertia };
+                field[face.at as usize] *= weight;
+            }
+        }
+    }
+}
+
+impl WallFace {
+    /// The face at index `at`; `None` if neither it nor its neighbours are cut.
+    fn new(layout: &Layout, c: usize, at: usize, area: &Vector) -> Option<Self> {
+        let strides = layout.strides();
+        let (own, behind) = (area[c][at], strides[c]);
+        let (mut inertia, mut areas) = (own, [[0.0; 2]; 3]);
+        let mut is_cut = own < 1.0;
+        for d in 0..3 {
+            let ends = if d == c {
+                [at - behind, at + behind].map(|other| 0.5 * (own + area[c][other]))
+            } else {
+                [at, at + strides[d]].map(|upper| 0.5 * (area[d][upper] + area[d][upper - behind]))
+            };
+            inertia = inertia.max(0.5 * (ends[0] + ends[1]));
+            for (end, other) in [at - strides[d], at + strides[d]].into_iter().enumerate() {
+                is_cut |= ends[end] < 1.0 || area[c][other] < 1.0;
+                areas[d][end] = if area[c][other] > 0.0 { ends[end] } else { 0.0 };
+            }
+        }
+        let (at, per_inertia) = (at as u32, 1.0 / inertia);
+        is_cut.then_some(Self { at, inertia, per_inertia, drag: 0.0, areas })
+    }
+
+    fn in_own(&self, layout: &Layout, k: usize) -> usize {
+        self.at as usize - (k + 1) * layout.plane
+    }
+
+    fn area(&self) -> f32 {
+        self.areas.iter().flatten().sum()
+    }
+
+    /// Largest drag that an explicit step bears.
+    fn most_drag(&self) -> f32 {
+        (STIFFEST * self.inertia.max(MOST_INERTIA) - 2.0 * self.area()).max(0.0)
+    }
+
+    /// Sum of A_g value_g.
+    fn around(&self, layout: &Layout, values: &[f32]) -> f32 {
+        let (at, strides) = (self.at as usize, layout.strides());
+        let both = |d: usize| {
+            self.areas[d][0] * values[at - strides[d]] + self.areas[d][1] * values[at + strides[d]]
+        };
+        both(0) + both(1) + both(2)
+    }
+
+    /// Area of the walls beside the face, from what they take of its neighbours.
+    fn wall(&self) -> f32 {
+        let along = |[before, behind]: [f32; 2]| match before + behind {
+            0.0 => 2.0,
+            _ => behind - before,
+        };
+        self.areas.iter().map(|ends| along(*ends).powi(2)).sum::<f32>().sqrt()
+    }
+
+    #[inline(always)]
+    fn friction(&self, layout: &Layout, u: &[f32]) -> f32 {
+        self.around(layout, u) - (self.area() + self.drag) * u[self.at as usize]
+    }
+
+    /// Sums of doubled fluxes and of the viscous stencil, without and with walls.
+    #[inline(always)]
+    fn terms(&self, stage: &Stage<'_>, area: &Vector, c: usize) -> ([f32; 2], [f32; 2]) {
+        let (at, strides) = (self.at as usize, stage.layout.strides());
+        let (own, behind) = (stage.velocity[c], strides[c]);
+        let (mut free, mut held) = ([0.0, -6.0 * own[at]], [0.0, 0.0]);
+        for d in 0..3 {
+            let (u, a) = (stage.velocity[d], &area[d]);
+            let (low, high) = (at, at + strides[d]);
+            let (below, above) = (own[at - strides[d]], own[at + strides[d]]);
+            free[0] += (u[high] + u[high - behind]) * above - (u[low] + u[low - behind]) * below;
+            let flux = |upper: usize| a[upper] * u[upper] + a[upper - behind] * u[upper - behind];
+            held[0] += flux(high) * above - flux(low) * below;
+            free[1] += below + above;
+        }
+        held[1] = self.friction(&stage.layout, own);
+        (free, held)
+    }
+}
+
+/// Sets the drag of a component's faces from depth, bend and area of all faces.
+fn set_drag(layout: &Layout, [depth, bend, area]: [&[f32]; 3], faces: &mut [WallFace]) {
+    // A face so near to the wall that its drag would be more than a step bears is taken to be
+    // as far from it as that drag says; what its neighbours see of it is adjusted with it.
+    let mut depth = depth.to_vec();
+    let least: Vec<f32> = faces
+        .iter()
+        .map(|face| face.around(layout, &depth) / (face.area() + face.most_drag()).max(1e-3))
+        .collect();
+    for (face, least) in faces.iter().zip(least) {
+        let depth = &mut depth[face.at as usize];
+        *depth = depth.max(least);
+    }
+    for face in faces {
+        let at = face.at as usize;
+        let (here, wall) = (depth[at], face.wall());
+        let curvature = area[at] * bend[at];
+        let rise = face.around(layout, &depth) - face.area() * here - curvature;
+        let grip = if rise < LEAST_GRIP * wall { wall } else { rise };
+        if here > 0.0 {
+            face.drag = (grip / here).clamp(0.0, face.most_drag());
+            face.inertia = face.inertia.max((2.0 * face.area() + face.drag) / STIFFEST);
+            face.per_inertia = 1.0 / face.inertia;
+        }
+    }
+}
+
+/// Corrects a stage that was computed as if there were liquid everywhere: see [`WallFaces`], and
+/// nothing passes a closed face.
+pub fn hold(
+    on: Engine<'_>,
+    stage: Stage<'_>,
+    k: usize,
+    run: Run,
+    weights: Weights,
+    mut out: [&mut [f32]; 3],
+) {
+    correct(on, stage, k, weights, out.each_mut().map(|out| &mut **out));
+    for (open, out) in on.faces.open.iter().zip(out) {
+        let (open, out) = (cut(open, run.at, run.len), cut_mut(out, run.to, run.len));
+        on.simd.vectorize(
+            #[inline(always)]
+            || out.iter_mut().zip(open).for_each(|(out, open)| *out *= open),
+        );
     }
 }
 
 /// The same for rates of change that are kept; closed faces are left as they are.
-pub fn hold_rates(
-    on: Engine<'_>,
-    velocity: [&[f32]; 3],
-    run: Run,
-    viscous_per_s: f32,
-    rates: [&mut [f32]; 3],
-) {
-    for (c, rates) in rates.into_iter().enumerate() {
-        let rates = cut_mut(rates, run.to, run.len);
-        hold_component(on, c, velocity, run, viscous_per_s, rates, false);
+pub fn correct(on: Engine<'_>, stage: Stage<'_>, k: usize, weights: Weights, out: [&mut [f32]; 3]) {
+    if let Some(vessel) = &on.faces.vessel {
+        vessel.walls.correct(stage, &vessel.area, k, weights, out);
     }
-}
-
-fn hold_component(
-    on: Engine<'_>,
-    c: usize,
-    velocity: [&[f32]; 3],
-    Run { at, len, .. }: Run,
-    viscous: f32,
-    out: &mut [f32],
-    closes: bool,
-) {
-    let (open, weight) = (cut(&on.faces.open[c], at, len), cut(&on.faces.weight[c], at, len));
-    let here = cut(velocity[c], at, len);
-    on.simd.vectorize(
-        #[inline(always)]
-        || {
-            for i in 0..out.len() {
-                out[i] += viscous * (6.0 - weight[i]) * here[i];
-            }
-            if closes {
-                out.iter_mut().zip(open).for_each(|(out, open)| *out *= open);
-            }
-        },
-    );
 }
