@@ -39,7 +39,7 @@ use crate::{
             Flow,
             engine::Engine,
             faces::cells,
-            field::{Field, Layout, cut},
+            field::{Field, Layout, Vector, cut},
         },
         within,
     },
@@ -83,6 +83,8 @@ pub struct Substances {
     all: Vec<Substance>,
     work: Cells,
     spare: Field,
+    /// What passes the faces, where walls cut through them.
+    fluxes: Option<Vector>,
     /// Whether the next part sweeps in reverse.
     reverse: bool,
     /// Off only to prove that skipping changes no bits.
@@ -124,6 +126,7 @@ impl Substances {
             all: properties.iter().map(substance).collect(),
             work: Cells::new(&layout),
             spare: layout.zeros(),
+            fluxes: None,
             reverse: false,
             may_skip: true,
             layout,
@@ -150,11 +153,13 @@ impl Substances {
     pub fn step(&mut self, flow: &Flow, dt_s: f64) -> Result<TransportReport, Refused> {
         within("dt_s", if dt_s < 0.0 { f64::NAN } else { dt_s }, 1e3)
             .map_err(|refused| Refused { value: dt_s, ..refused })?;
-        let (layout, velocity) = flow.face_fluxes();
+        let layout = flow.layout();
         let mut report = TransportReport::nothing();
         if *layout != self.layout || self.all.iter().all(|substance| substance.highest == 0.0) {
             return Ok(report);
         }
+        let mut room = self.fluxes.take();
+        let velocity = flow.fluxes(&mut room);
         let (on, spacing_m) = (flow.engine(), f64::from(self.grid.spacing_m));
         let loss = largest_loss_m_s(on, layout, velocity) * dt_s / spacing_m;
         (report.carrying, report.substeps) = carrying(loss);
@@ -180,6 +185,7 @@ impl Substances {
         if report.cells_computed > 0 {
             fit::fit(on, layout, &mut self.all, &mut self.spare);
         }
+        self.fluxes = room;
         Ok(report)
     }
 

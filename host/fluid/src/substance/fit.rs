@@ -88,7 +88,9 @@ fn set_sum(on: Engine<'_>, layout: &Layout, all: &[Substance], sum: &mut [f32]) 
                     || {
                         let sum = &mut plane[at - (k + 1) * layout.plane..][..len];
                         let fraction = cut(&substance.cells.fraction, at, len);
-                        (0..len).for_each(|i| sum[i] += fraction[i]);
+                        for i in 0..len {
+                            sum[i] += fraction[i];
+                        }
                         largest.raise(
                             len,
                             #[inline(always)]
@@ -142,7 +144,9 @@ pub fn content(on: Engine<'_>, layout: &Layout, cells: &Cells) -> f64 {
                     let mut lanes = [0f32; BLOCK];
                     let (blocks, rest) = cut(&cells.fraction, at, len).as_chunks::<BLOCK>();
                     for block in blocks {
-                        (0..BLOCK).for_each(|i| lanes[i] += block[i]);
+                        for i in 0..BLOCK {
+                            lanes[i] += block[i];
+                        }
                     }
                     let all = lanes.iter().chain(rest);
                     total += all.fold(0.0, |sum, f| sum + f64::from(*f));

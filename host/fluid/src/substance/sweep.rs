@@ -139,10 +139,16 @@ impl Sweep<'_> {
         let len = steps.len();
         let (below, above) = (cut(old, 0, len), cut(old, 1, len));
         match self.open {
-            None => (0..len).for_each(|f| steps[f] = above[f] - below[f]),
+            None => {
+                for f in 0..len {
+                    steps[f] = above[f] - below[f];
+                }
+            }
             Some(open) => {
                 let open = cut(open[0], at + start - 2, len);
-                (0..len).for_each(|f| steps[f] = open[f] * (above[f] - below[f]));
+                for f in 0..len {
+                    steps[f] = open[f] * (above[f] - below[f]);
+                }
             }
         }
         steps[..3usize.saturating_sub(start)].fill(0.0);
@@ -247,10 +253,14 @@ impl Sweep<'_> {
             return;
         }
         let (below, above) = (rows.read(face - 1, first, len), rows.read(face, first, len));
-        (0..len).for_each(|i| steps[i] = above[i] - below[i]);
+        for i in 0..len {
+            steps[i] = above[i] - below[i];
+        }
         if let Some(open) = self.open {
             let open = cut(open[self.axis], at + face * self.layout.strides()[self.axis], len);
-            (0..len).for_each(|i| steps[i] *= open[i]);
+            for i in 0..len {
+                steps[i] *= open[i];
+            }
         }
     }
 }

@@ -61,6 +61,11 @@ impl Line {
     fn from(self, start: usize) -> Self {
         Self { start, ..self }
     }
+
+    /// Where its values lie, if they lie together.
+    fn range(self) -> std::ops::Range<usize> {
+        self.start..self.start + self.len
+    }
 }
 
 impl Ghosts {
@@ -242,30 +247,34 @@ impl Ghosts {
             set(array, below, 0.0);
         }
         for (end, rule) in self.rules[axis].iter().enumerate() {
-            let inner = line([0, n - 1][end]);
-            let ghost = [below, line(n)][end];
+            // The side itself, the values before it, and what lies beyond; written out, as lines
+            // that are chosen from an array would go through memory.
+            let (side, inner, ghost, opposite) = if end == 0 {
+                (line(0), line(0), below, line(n - 1))
+            } else {
+                (line(n), line(n - 1), line(n), line(0))
+            };
             match rule {
-                Rule::Periodic => {
-                    copy(array, line([n - 1, 0][end]), ghost, 1.0);
-                }
-                Rule::Slides if c == axis => set(array, line([0, n][end]), 0.0),
+                Rule::Periodic => copy(array, opposite, ghost, 1.0),
+                Rule::Slides if c == axis => set(array, side, 0.0),
                 Rule::Slides => copy(array, inner, ghost, 1.0),
                 Rule::Free if c == axis => {
                     if fill != Fill::Projected {
-                        copy(array, line([1, n - 1][end]), line([0, n][end]), 1.0);
+                        let before = line(if end == 0 { 1 } else { n - 1 });
+                        copy(array, before, side, 1.0);
                     }
                 }
                 Rule::Free => copy(array, inner, ghost, 1.0),
                 Rule::Sticks(_) if fill == Fill::Difference => match c == axis {
-                    true => set(array, line([0, n][end]), 0.0),
+                    true => set(array, side, 0.0),
                     false => copy(array, inner, ghost, -1.0),
                 },
                 Rule::Sticks(velocity) => {
                     let velocity = velocity.as_ref().map(|u| &u[c][values..]);
-                    let second = line([1.min(n - 1), n.saturating_sub(2)][end]);
+                    let second = line(if end == 0 { 1.min(n - 1) } else { n.saturating_sub(2) });
                     match velocity {
-                        None if c == axis => set(array, line([0, n][end]), 0.0),
-                        Some(u) if c == axis => put(array, line([0, n][end]), u),
+                        None if c == axis => set(array, side, 0.0),
+                        Some(u) if c == axis => put(array, side, u),
                         _ if fill == Fill::Carried => mirror(array, inner, velocity, ghost),
                         _ => extrapolate(array, [inner, second], velocity, ghost),
                     }
@@ -276,42 +285,71 @@ impl Ghosts {
 }
 
 fn set(array: &mut [f32], to: Line, value: f32) {
-    for i in 0..to.len {
-        array[to.start + i * to.step] = value;
+    if to.step == 1 {
+        array[to.range()].fill(value);
+    } else {
+        derive(array, to, [to; 2], |_, _| value);
     }
 }
 
 /// to = sign from.
 fn copy(array: &mut [f32], from: Line, to: Line, sign: f32) {
     if to.step == 1 && sign == 1.0 {
-        array.copy_within(from.start..from.start + from.len, to.start);
+        array.copy_within(from.range(), to.start);
         return;
     }
-    for i in 0..to.len {
-        array[to.start + i * to.step] = sign * array[from.start + i * from.step];
-    }
+    derive(array, to, [from; 2], |_, [from, _]| sign * from);
 }
 
 fn put(array: &mut [f32], to: Line, values: &[f32]) {
-    for (i, value) in values.iter().enumerate().take(to.len) {
-        array[to.start + i * to.step] = *value;
-    }
+    derive(array, to, [to; 2], |i, _| values[i]);
 }
 
 /// The ghost of the straight line through the side and the first value.
 fn mirror(array: &mut [f32], first: Line, side: Option<&[f32]>, ghost: Line) {
-    for i in 0..ghost.len {
-        let side = side.map_or(0.0, |side| side[i]);
-        array[ghost.start + i * ghost.step] = 2.0 * side - array[first.start + i * first.step];
+    match side {
+        None => copy(array, first, ghost, -1.0),
+        Some(side) => derive(array, ghost, [first; 2], |i, [first, _]| 2.0 * side[i] - first),
     }
 }
 
 /// The ghost of the parabola through the side, half a spacing away, and the first two values.
-fn extrapolate(array: &mut [f32], [first, second]: [Line; 2], side: Option<&[f32]>, ghost: Line) {
-    for i in 0..ghost.len {
-        let side = side.map_or(0.0, |side| side[i]);
-        let (first, second) =
-            (array[first.start + i * first.step], array[second.start + i * second.step]);
-        array[ghost.start + i * ghost.step] = (8.0 * side - 6.0 * first + second) * (1.0 / 3.0);
+fn extrapolate(array: &mut [f32], inner: [Line; 2], side: Option<&[f32]>, ghost: Line) {
+    let parabola =
+        |side: f32, [first, second]: [f32; 2]| (8.0 * side - 6.0 * first + second) * (1.0 / 3.0);
+    match side {
+        None => derive(array, ghost, inner, |_, inner| parabola(0.0, inner)),
+        Some(side) => derive(array, ghost, inner, |i, inner| parabola(side[i], inner)),
+    }
+}
+
+/// Sets each value of the line `to` to what `value` makes of its place and of those beside it in
+/// two other lines.
+#[inline(always)]
+fn derive(
+    array: &mut [f32],
+    to: Line,
+    [first, second]: [Line; 2],
+    value: impl Fn(usize, [f32; 2]) -> f32,
+) {
+    if to.step > 1 && to.start.max(first.start).max(second.start) < to.step {
+        // One value of each row: within a row no index can be out of bounds.
+        for (i, row) in array.chunks_exact_mut(to.step).take(to.len).enumerate() {
+            row[to.start] = value(i, [row[first.start], row[second.start]]);
+        }
+        return;
+    }
+    let lines = [to.range(), first.range(), second.range()];
+    if to.step == 1
+        && let Ok([to, first, second]) = array.get_disjoint_mut(lines)
+    {
+        for (i, to) in to.iter_mut().enumerate() {
+            *to = value(i, [first[i], second[i]]);
+        }
+        return;
+    }
+    for i in 0..to.len {
+        let [first, second] = [first, second].map(|line| array[line.start + i * line.step]);
+        array[to.start + i * to.step] = value(i, [first, second]);
     }
 }

@@ -28,7 +28,9 @@ const MAX_ITERATIONS: usize = 40;
 /// out += share x.
 #[inline(always)]
 fn add_row(out: &mut [f32], share: f32, x: &[f32]) {
-    out.iter_mut().zip(x).for_each(|(out, x)| *out += share * x);
+    for (out, x) in out.iter_mut().zip(x) {
+        *out += share * x;
+    }
 }
 
 impl Engine<'_> {

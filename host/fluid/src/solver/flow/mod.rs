@@ -32,7 +32,7 @@ use self::{
     faces::{Faces, cells},
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
-    pressure::{Prediction, Projection},
+    pressure::{Prediction, Projection, Telling},
     stages::History,
     survey::Survey,
     trace::Tracer,
@@ -85,8 +85,6 @@ pub struct Flow {
     pool: Arc<Pool>,
     simd: SimdClass,
     velocity: Vector,
-    /// What passes each face, per area of a whole one; `None` in a box, where it is the velocity.
-    fluxes: Option<Vector>,
     /// Two stages of a step; of a multistep one, the result and the rates of the last.
     stage: [Vector; 2],
     /// What the rates are good for; `None` if there are none.
@@ -140,7 +138,6 @@ impl Flow {
             pool: Arc::clone(&setup.pool),
             simd: setup.simd,
             velocity: vector(),
-            fluxes: faces.vessel.is_some().then(vector),
             stage: [vector(), vector()],
             history: None,
             viscous: Viscous::new(&layout),
@@ -230,7 +227,6 @@ impl Flow {
         let velocity = self.velocity.each_mut().map(|u| &mut **u);
         let change = kernel.push(velocity, impulse_n_s / mass_kg, MAX_SPEED_M_S);
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
-        self.set_fluxes();
         self.survey = None;
         Ok(change * mass_kg)
     }
@@ -264,21 +260,29 @@ impl Flow {
         DVec3::from_array([0, 1, 2].map(total)) * self.cell_mass_kg()
     }
 
-    /// What passes the faces per area of a whole one, and its layout, for what is carried with
-    /// the flow: it is as free of divergence as the flow is.
-    pub(crate) fn face_fluxes(&self) -> (&Layout, [&[f32]; 3]) {
-        (&self.layout, components(self.fluxes.as_ref().unwrap_or(&self.velocity)))
-    }
-
-    /// Brings the fluxes up to date.
-    fn set_fluxes(&mut self) {
-        if let (Some(fluxes), Some(vessel)) = (&mut self.fluxes, &self.faces.vessel) {
-            for (flux, (area, u)) in fluxes.iter_mut().zip(vessel.area.iter().zip(&self.velocity)) {
-                for (flux, (area, u)) in flux.iter_mut().zip(area.iter().zip(u.iter())) {
+    /// What passes the faces per area of a whole one, for what is carried with the flow: it is as
+    /// free of divergence as the flow is. In a box it is the velocity, elsewhere it is written
+    /// to `room`, which is made for it once.
+    pub(crate) fn fluxes<'a>(&'a self, room: &'a mut Option<Vector>) -> [&'a [f32]; 3] {
+        let (layout, Some(vessel)) = (&self.layout, &self.faces.vessel) else {
+            return components(&self.velocity);
+        };
+        let fluxes = room.get_or_insert_with(|| self.velocity.each_ref().map(|_| layout.zeros()));
+        for ((flux, area), u) in fluxes.iter_mut().zip(&vessel.area).zip(&self.velocity) {
+            self.pool.planes([&mut **flux], [layout.plane], |k, [flux]| {
+                let at = k * layout.plane;
+                let [area, u] = [area, u].map(|field| cut(field, at, flux.len()));
+                for (flux, (area, u)) in flux.iter_mut().zip(area.iter().zip(u)) {
                     *flux = area * u;
                 }
-            }
+            });
         }
+        components(fluxes)
+    }
+
+    /// How its arrays lie.
+    pub(crate) fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// A point in cells from the grid's corner.
@@ -369,7 +373,6 @@ impl Solver for Flow {
         self.sample("velocity_m_s", velocity_m_s, limit, &mut sampled)?;
         self.velocity = sampled;
         self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
-        self.set_fluxes();
         self.excess_m2_s2 = 0.0;
         self.pressure_dt_s = 0.0;
         self.history = None;
@@ -397,8 +400,10 @@ impl Solver for Flow {
     }
 
     fn project(&mut self) {
-        self.survey = Some(self.clear_divergence().survey);
-        self.set_fluxes();
+        let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
+        let on = Engine { pool, simd: *simd, faces };
+        projection.project(on, ghosts, velocity, Telling::Nothing);
+        self.survey = None;
     }
 
     fn visit(&self, visit: &mut VisitVelocity<'_>) {

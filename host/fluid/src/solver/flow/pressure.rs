@@ -35,10 +35,19 @@ pub struct Prediction {
 
 /// What a projection found.
 pub struct Projected {
-    /// Iterations that it took.
+    /// Iterations that it took: 0 where the solution is direct.
     pub iterations: u32,
-    /// The velocity that it left.
+    /// The velocity that it left, if that was asked for.
     pub survey: Survey,
+}
+
+/// What a projection is to tell of the velocity that it leaves.
+#[derive(Clone, Copy)]
+pub enum Telling<'a> {
+    /// Nothing: its survey is empty.
+    Nothing,
+    /// All, with the power of this acceleration.
+    All(Option<[&'a [f32]; 3]>),
 }
 
 /// Solves for the pressure on one grid.
@@ -61,13 +70,12 @@ impl Projection {
     }
 
     /// Takes the divergence out of `velocity`, whose ghosts are filled before and after.
-    /// Returns what it found, and the number of iterations: 0 where the solution is direct.
     pub fn project(
         &mut self,
         on: Engine<'_>,
         ghosts: &Ghosts,
         velocity: &mut Vector,
-        force: Option<[&[f32]; 3]>,
+        telling: Telling<'_>,
     ) -> Projected {
         let Self { layout, poisson, psi, krylov } = self;
         let iterations = match krylov {
@@ -82,17 +90,17 @@ impl Projection {
             }
         };
         ghosts.fill_pressure(psi);
-        let survey = self.correct(on, ghosts, velocity, force);
+        let survey = self.correct(on, ghosts, velocity, telling);
         Projected { iterations, survey }
     }
 
-    /// Subtracts the gradient of psi, snaps what is nearly at rest, and surveys the outcome.
+    /// Subtracts the gradient of psi, snaps what is nearly at rest, and tells of the outcome.
     fn correct(
         &mut self,
         on: Engine<'_>,
         ghosts: &Ghosts,
         velocity: &mut Vector,
-        force: Option<[&[f32]; 3]>,
+        telling: Telling<'_>,
     ) -> Survey {
         let (layout, psi) = (self.layout, &*self.psi);
         let [_, ny, nz] = layout.cells;
@@ -131,6 +139,7 @@ impl Projection {
             if k == 0 {
                 ghosts.set_floor(planes[2]);
             }
+            let Telling::All(force) = telling else { return [0.0; 4] };
             let force = force.map(|force| force.map(|f| &f[(k + 1) * layout.plane..]));
             survey_plane(on, &layout, planes.map(|plane| &*plane), force, k)
         };
@@ -190,7 +199,10 @@ fn set_residual(
                     sums[0].add_product(out, out);
                     faces.add_squares(&mut sums[1]);
                 } else {
-                    out.iter_mut().enumerate().for_each(|(i, out)| *out = -faces.outflow(i));
+                    // A loop: the library's `for_each` would not be compiled for wide vectors.
+                    for (i, out) in out.iter_mut().enumerate() {
+                        *out = -faces.outflow(i);
+                    }
                 }
             },
         )

@@ -8,7 +8,7 @@ use crate::solver::{
         engine::Engine,
         field::components,
         ghosts::Fill,
-        pressure::Projected,
+        pressure::{Projected, Telling},
         schedule::{Plan, plan},
         survey::Survey,
         within,
@@ -62,7 +62,6 @@ impl Flow {
         }
         let after = self.guard(before, after, dt_s, &mut report);
         self.settle(after);
-        self.set_fluxes();
         report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
         report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
         Ok(report)
@@ -114,11 +113,12 @@ impl Flow {
         self.viscosity_m2_s * dt_s / f64::from(self.grid.spacing_m).powi(2)
     }
 
+    /// Projects, and surveys what that leaves.
     pub(super) fn clear_divergence(&mut self) -> Projected {
         let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
         let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
         let on = Engine { pool, simd: *simd, faces };
-        projection.project(on, ghosts, velocity, force)
+        projection.project(on, ghosts, velocity, Telling::All(force))
     }
 
     /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.

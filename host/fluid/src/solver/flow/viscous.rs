@@ -178,5 +178,7 @@ fn combine(
 
 #[inline(always)]
 fn combine_row(share: f32, out: &mut [f32], alpha: f32, u: &[f32]) {
-    out.iter_mut().zip(u).for_each(|(out, u)| *out = share * *out + alpha * u);
+    for (out, u) in out.iter_mut().zip(u) {
+        *out = share * *out + alpha * u;
+    }
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop, reason = "one lane of many arrays at a time: vector code")]
 
 use crate::solver::flow::{
-    field::{BLOCK, Layout, cut},
+    field::{Layout, cut},
     trace::{Points, Tracer},
 };
 
@@ -51,7 +51,7 @@ impl Tracer<'_> {
     /// The component by cubic interpolation of its values around each point (Keys 1981); where a
     /// side leaves too few, the missing one is that of the parabola through the next three.
     #[inline(always)]
-    pub fn cubic(&self, c: usize, field: &[f32], points: &Points<BLOCK>) -> [f32; BLOCK] {
+    pub fn cubic<const N: usize>(&self, c: usize, field: &[f32], points: &Points<N>) -> [f32; N] {
         if self.layout.cells[0] < 3 {
             return self.linear(c, field, points);
         }
@@ -59,8 +59,8 @@ impl Tracer<'_> {
         let x = self.window(c, 0, &points[0]);
         let y = self.window(c, 1, &points[1]);
         let z = self.window(c, 2, &points[2]);
-        let mut out = [0.0; BLOCK];
-        for l in 0..BLOCK {
+        let mut out = [0.0; N];
+        for l in 0..N {
             let mut sum = [0.0; 4];
             for m in 0..4 {
                 let start = x.start[l] as usize + z.node(m, l) * plane;
@@ -84,7 +84,7 @@ impl Tracer<'_> {
     }
 
     #[inline(always)]
-    fn window(&self, c: usize, d: usize, points: &[f32; BLOCK]) -> Window {
+    fn window<const N: usize>(&self, c: usize, d: usize, points: &[f32; N]) -> Window<N> {
         let first = i32::from(c == d && !self.wraps[d]);
         Window::new(first, self.layout.cells[d] as i32 + 1, self.along(c, d, points))
     }
@@ -153,21 +153,21 @@ fn least(a: f32, b: f32) -> f32 {
 }
 
 /// The four values along an axis that each point of a block lies between, and their weights.
-struct Window {
-    start: [i32; BLOCK],
+struct Window<const N: usize> {
+    start: [i32; N],
     last: i32,
-    weights: [[f32; BLOCK]; 4],
+    weights: [[f32; N]; 4],
 }
 
-impl Window {
+impl<const N: usize> Window<N> {
     /// Among the values from `first` to `last`; if they are fewer than four, weights are linear.
     #[inline(always)]
-    fn new(first: i32, last: i32, (below, share): ([i32; BLOCK], [f32; BLOCK])) -> Self {
-        let mut window = Self { start: below, last, weights: [[0.0; BLOCK]; 4] };
-        for l in 0..BLOCK {
-            let [a, b, c, d] = keys(share[l]);
+    fn new(first: i32, last: i32, (below, share): ([i32; N], [f32; N])) -> Self {
+        let mut window = Self { start: below, last, weights: [[0.0; N]; 4] };
+        for l in 0..N {
+            let (t, [a, b, c, d]) = (share[l], keys(share[l]));
             let weights = if last - first < 3 {
-                [1.0 - share[l], share[l], 0.0, 0.0]
+                [1.0 - t, t, 0.0, 0.0]
             } else if below[l] - 1 < first {
                 [b + 3.0 * a, c - 3.0 * a, d + a, 0.0]
             } else if below[l] + 2 > last {
@@ -211,7 +211,7 @@ mod tests {
     use super::*;
     use crate::solver::{
         Side, Sides,
-        flow::{faces::cells, ghosts::Ghosts, trace::face_in_cells},
+        flow::{faces::cells, field::BLOCK, ghosts::Ghosts, trace::face_in_cells},
     };
 
     const CELLS: [usize; 3] = [9, 5, 4];
