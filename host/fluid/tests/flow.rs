@@ -6,7 +6,7 @@ use cauldron_fluid::{
     Grid, Vessel,
     pool::Pool,
     simd::SimdClass,
-    solver::{Scheme, Setup, Sides, Solver, StepReport, Walls, flow::Flow},
+    solver::{Scheme, Setup, Side, Sides, Solver, StepReport, Walls, flow::Flow},
 };
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
@@ -164,6 +164,31 @@ fn thick_liquid_decays_as_its_modes_whether_explicit_or_implicit() {
     }
 }
 
+/// Friction and a force balance: f ~ nu gives the same flow however thick the liquid is.
+#[test]
+fn thick_liquid_that_is_pushed_hard_moves_as_friction_lets_it() {
+    let energy_j = |viscosity_m2_s: f32| {
+        let push = 40.0 * f64::from(viscosity_m2_s);
+        let force = |p: DVec3| {
+            let (x, y) = (PI * p.x, PI * p.y);
+            push * DVec3::new(x.sin() * y.cos(), -x.cos() * y.sin(), 0.0)
+        };
+        let sides = Sides::all(Side::NoSlip);
+        let setup = Setup { viscosity_m2_s, sides, ..Setup::new(Grid::unit_cube(16), Vessel::Box) };
+        let mut flow = Flow::new(&setup).expect("a flow");
+        flow.set_force(&force).expect("finite");
+        let mut report = StepReport::at_rest();
+        for _ in 0..20 {
+            report = flow.step(1.0 / 32.0).expect("finite");
+        }
+        assert_eq!(report.guard_actions, 0);
+        (report.scheme, report.kinetic_energy_j)
+    };
+    let ((scheme, exact_j), (traced, energy_j)) = (energy_j(2.0), energy_j(500.0));
+    assert_eq!([scheme, traced], [Scheme::MultistepImplicit, Scheme::Traced]);
+    assert!((energy_j / exact_j - 1.0).abs() < 0.2, "{energy_j} {exact_j}");
+}
+
 #[test]
 fn no_slip_walls_hold_the_liquid_and_free_slip_walls_do_not() {
     let left = |walls| {
@@ -233,7 +258,7 @@ fn what_is_gathered_after_a_push_is_the_impulse_over_the_effective_mass() {
 }
 
 #[test]
-fn velocities_are_interpolated_linearly() {
+fn velocities_between_points_are_those_of_a_plane_through_them() {
     let mut flow = Flow::new(&Setup::new(Grid::unit_cube(8), Vessel::Box)).expect("a flow");
     flow.set_velocity(&|p| DVec3::new(p.x + 2.0 * p.y, 3.0 * p.z, p.x)).expect("finite");
     let point = Vec3::new(0.41, 0.53, 0.37);

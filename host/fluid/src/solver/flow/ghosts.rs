@@ -16,7 +16,10 @@ use crate::solver::{
     Side, Sides,
     flow::{
         field::{Field, Layout, Vector},
-        poisson::basis::{End, Ends},
+        poisson::{
+            Unknowns,
+            basis::{End, Ends},
+        },
     },
 };
 
@@ -98,6 +101,25 @@ impl Ghosts {
         })
     }
 
+    /// Where component `c` can change between walls, and what its changes meet at the ends of each
+    /// axis: see [`Fill::Difference`]. `None` where there is no face within.
+    pub fn unknown_changes(&self, c: usize) -> Option<(Unknowns, [Ends; 3])> {
+        let mut unknowns = Unknowns { first: [0; 3], count: self.layout.cells };
+        let ends = std::array::from_fn(|axis| match &self.rules[axis] {
+            [Rule::Periodic, _] => Ends::Periodic,
+            _ if axis == c => {
+                unknowns.first[c] = 1;
+                unknowns.count[c] -= 1;
+                Ends::Between([End::Open; 2])
+            }
+            rules => Ends::Between(rules.each_ref().map(|rule| match rule {
+                Rule::Sticks(_) => End::Odd,
+                _ => End::Closed,
+            })),
+        });
+        (unknowns.count[c] > 0).then_some((unknowns, ends))
+    }
+
     /// Fills what lies beyond x and y in plane `k` of component `c`.
     pub fn fill_plane(&self, c: usize, k: usize, plane: &mut [f32], fill: Fill) {
         let (layout, [nx, ny, _]) = (&self.layout, self.layout.cells);
@@ -152,6 +174,11 @@ impl Ghosts {
             planes.enumerate().for_each(|(k, plane)| self.fill_plane(c, k, plane, fill));
             self.fill_ends(c, field, fill);
         }
+    }
+
+    /// True if some side lets out what comes.
+    pub fn is_any_free(&self) -> bool {
+        (0..3).any(|axis| self.is_free(axis, 0) || self.is_free(axis, 1))
     }
 
     /// True if the side lets out what comes.

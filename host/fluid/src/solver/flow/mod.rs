@@ -140,7 +140,7 @@ impl Flow {
             velocity: vector(),
             stage: [vector(), vector()],
             history: None,
-            viscous: Viscous::new(&layout),
+            viscous: Viscous::new(&layout, &faces, &ghosts, setup.pool.threads()),
             pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
             projection: Projection::new(&layout, &faces, &ghosts, &setup.pool),

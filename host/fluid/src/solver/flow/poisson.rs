@@ -3,6 +3,7 @@
 //! ```text
 //! A psi = rhs,   (A psi)_i = sum over the faces of i that liquid may pass of (psi_i - psi_neighbour)
 //! ```
+//! and of (A + shift) psi = rhs, which is that of implicit viscosity.
 //! Transforms to the modes of x and y leave one tridiagonal system along z for each pair of
 //! modes. A plane is transformed as a whole while it is in the nearest cache; between the two
 //! transforms stands one array of modes, in which the columns along z are solved in place.
@@ -28,68 +29,134 @@ use crate::{
 /// Values in a row of modes are a multiple of this.
 const PAD: usize = 8;
 
-/// Tables and work space for one grid.
+/// Solves for all cells of one grid.
 pub struct Poisson {
-    layout: Layout,
-    x: Transform,
-    y: Transform,
-    z: Columns,
-    /// All modes, by z, y mode and x mode.
-    modes: Field,
-    /// Values from one plane of modes to the next.
-    plane: usize,
-    /// Two planes for each thread.
-    scratch: Field,
+    modal: Modal,
+    room: Room,
 }
 
 impl Poisson {
     /// The solver for a grid of this layout, to run on `threads` threads at most.
     pub fn new(layout: &Layout, ends: [Ends; 3], threads: usize) -> Self {
-        let [nx, ny, nz] = layout.cells;
-        let (mut x, y) = (Transform::new(nx, ends[0], PAD), Transform::new(ny, ends[1], 1));
-        let plane = (ny * x.len).next_multiple_of(WIDTH);
-        // Planes a multiple of 4 KiB apart would fall on the same lines of a cache.
-        let plane = if plane.is_multiple_of(512) { plane + WIDTH } else { plane };
-        let mut eigenvalues: Vec<f64> =
-            y.eigenvalues.iter().flat_map(|y| x.eigenvalues.iter().map(move |x| x + y)).collect();
-        eigenvalues.resize(plane, 1.0);
-        let z = Columns::new(&eigenvalues, nz, ends[2]);
-        x.scale(z.scale());
-        Self {
-            layout: *layout,
-            z,
-            modes: Field::zeros(nz * plane),
-            plane,
-            scratch: Field::zeros(threads * 2 * ny * x.len),
-            x,
-            y,
-        }
+        let all = Unknowns { first: [0; 3], count: layout.cells };
+        let modal = Modal::new(layout, all, ends);
+        let mut room = Room::new(threads);
+        room.make_for(&modal);
+        Self { modal, room }
     }
 
     /// Solves in place: `psi` is a padded array that comes in as the right-hand side.
     pub fn solve_in_place(&mut self, pool: &Pool, simd: SimdClass, psi: &mut Field) {
-        self.transform(pool, simd, psi);
-        self.solve_columns(pool, simd);
-        self.transform_back(pool, simd, psi);
+        self.modal.solve_in_place(pool, simd, &mut self.room, psi);
     }
 
     /// Solves for `psi`; both are padded arrays.
     pub fn solve(&mut self, pool: &Pool, simd: SimdClass, rhs: &[f32], psi: &mut Field) {
-        self.transform(pool, simd, rhs);
-        self.solve_columns(pool, simd);
-        self.transform_back(pool, simd, psi);
+        self.modal.transform(pool, simd, &mut self.room, rhs);
+        self.modal.solve_columns(pool, simd, &mut self.room);
+        self.modal.transform_back(pool, simd, &mut self.room, psi);
+    }
+}
+
+/// Where the unknowns lie in a padded array.
+#[derive(Clone, Copy)]
+pub struct Unknowns {
+    /// The first along each axis.
+    pub first: [usize; 3],
+    /// Their number along each axis, at least 1.
+    pub count: [usize; 3],
+}
+
+/// Work space, for one solver after the other.
+pub struct Room {
+    threads: usize,
+    /// All modes, by z, y mode and x mode.
+    modes: Field,
+    /// Two planes for each thread.
+    scratch: Field,
+}
+
+impl Room {
+    /// For `threads` threads at most, and no solver yet.
+    pub fn new(threads: usize) -> Self {
+        Self { threads, modes: Field::zeros(0), scratch: Field::zeros(0) }
     }
 
-    fn transform(&mut self, pool: &Pool, simd: SimdClass, rhs: &[f32]) {
+    /// Makes it large enough for `modal`.
+    pub fn make_for(&mut self, modal: &Modal) {
+        let [_, ny, nz] = modal.unknowns.count;
+        let grow = |field: &mut Field, len: usize| {
+            if field.len() < len {
+                *field = Field::zeros(len);
+            }
+        };
+        grow(&mut self.modes, nz * modal.plane);
+        grow(&mut self.scratch, self.threads * 2 * ny * modal.x.len);
+    }
+}
+
+/// Tables of one system (A + shift) psi = rhs.
+pub struct Modal {
+    layout: Layout,
+    unknowns: Unknowns,
+    x: Transform,
+    y: Transform,
+    z: Columns,
+    /// Values from one plane of modes to the next.
+    plane: usize,
+    shift: f64,
+}
+
+impl Modal {
+    /// The system without a shift.
+    pub fn new(layout: &Layout, unknowns: Unknowns, ends: [Ends; 3]) -> Self {
+        let [nx, ny, nz] = unknowns.count;
+        let (mut x, y) = (Transform::new(nx, ends[0], PAD), Transform::new(ny, ends[1], 1));
+        let plane = (ny * x.len).next_multiple_of(WIDTH);
+        // Planes a multiple of 4 KiB apart would fall on the same lines of a cache.
+        let plane = if plane.is_multiple_of(512) { plane + WIDTH } else { plane };
+        let z = Columns::new(plane, nz, ends[2]);
+        x.scale(z.scale());
+        let mut modal = Self { layout: *layout, unknowns, x, y, z, plane, shift: f64::NAN };
+        modal.set_shift(0.0);
+        modal
+    }
+
+    /// Makes `shift` that of the system; 0 or more.
+    pub fn set_shift(&mut self, shift: f64) {
+        if self.shift == shift {
+            return;
+        }
+        self.shift = shift;
+        let ny = self.unknowns.count[1];
+        for (m, y) in self.y.eigenvalues[..ny].iter().enumerate() {
+            for (l, x) in self.x.eigenvalues.iter().enumerate() {
+                self.z.set(m * self.x.len + l, x + y + shift);
+            }
+        }
+        for pad in ny * self.x.len..self.plane {
+            self.z.set(pad, 1.0);
+        }
+    }
+
+    /// Solves in place: `psi` is a padded array that comes in as the right-hand side.
+    pub fn solve_in_place(&self, pool: &Pool, simd: SimdClass, room: &mut Room, psi: &mut Field) {
+        self.transform(pool, simd, room, psi);
+        self.solve_columns(pool, simd, room);
+        self.transform_back(pool, simd, room, psi);
+    }
+
+    fn transform(&self, pool: &Pool, simd: SimdClass, room: &mut Room, rhs: &[f32]) {
         let (layout, x, y) = (self.layout, &self.x, &self.y);
-        let ny = layout.cells[1];
-        pool.planes_with(&mut self.scratch, [&mut *self.modes], [self.plane], |k, [out], work| {
+        let (ny, [i0, j0, k0]) = (self.unknowns.count[1], self.unknowns.first);
+        let modes = &mut room.modes[..self.unknowns.count[2] * self.plane];
+        pool.planes_with(&mut room.scratch, [modes], [self.plane], |k, [out], work| {
             simd.vectorize_as(
                 #[inline(always)]
                 |class| {
                     let (folded, rows) = work[..2 * ny * x.len].split_at_mut(ny * x.len);
                     for (j, folded) in folded.chunks_exact_mut(x.len).enumerate() {
-                        x.fold(&rhs[layout.index(0, j, k)..], folded);
+                        x.fold(&rhs[layout.index(i0, j0 + j, k0 + k)..], folded);
                     }
                     y.fold_rows(folded, x.len);
                     for part in &x.parts {
@@ -109,9 +176,10 @@ impl Poisson {
         });
     }
 
-    fn solve_columns(&mut self, pool: &Pool, simd: SimdClass) {
+    fn solve_columns(&self, pool: &Pool, simd: SimdClass, room: &mut Room) {
         let z = &self.z;
-        pool.columns(&mut self.modes, self.plane, WIDTH, |c, mut column| {
+        let modes = &mut room.modes[..self.unknowns.count[2] * self.plane];
+        pool.columns(modes, self.plane, WIDTH, |c, mut column| {
             simd.vectorize_as(
                 #[inline(always)]
                 |class| z.solve(class, c, &mut column),
@@ -119,11 +187,12 @@ impl Poisson {
         });
     }
 
-    fn transform_back(&mut self, pool: &Pool, simd: SimdClass, psi: &mut Field) {
-        let (layout, x, y, modes) = (self.layout, &self.x, &self.y, &*self.modes);
-        let ([_, ny, _], plane) = (layout.cells, self.plane);
-        let outs = [layout.planes(psi)];
-        pool.planes_with(&mut self.scratch, outs, [layout.plane], |k, [psi], work| {
+    fn transform_back(&self, pool: &Pool, simd: SimdClass, room: &mut Room, psi: &mut Field) {
+        let (layout, x, y, modes) = (self.layout, &self.x, &self.y, &*room.modes);
+        let ([_, ny, nz], [i0, j0, k0]) = (self.unknowns.count, self.unknowns.first);
+        let plane = self.plane;
+        let outs = [&mut layout.planes(psi)[k0 * layout.plane..][..nz * layout.plane]];
+        pool.planes_with(&mut room.scratch, outs, [layout.plane], |k, [psi], work| {
             simd.vectorize_as(
                 #[inline(always)]
                 |class| {
@@ -142,7 +211,7 @@ impl Poisson {
                     }
                     y.unfold_rows(folded, x.len);
                     for (j, folded) in folded.chunks_exact_mut(x.len).enumerate() {
-                        x.unfold(folded, &mut psi[layout.index_in_plane(0, j)..]);
+                        x.unfold(folded, &mut psi[layout.index_in_plane(i0, j0 + j)..]);
                     }
                 },
             );

@@ -164,6 +164,9 @@ impl Flow {
         }
         let Self { faces, ghosts, velocity, stage: [rhs, _], viscous, pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
+        // What was traced or pushed need not stick to a side yet. A ghost on a parabola would call
+        // for more than what is solved for can give, and the flow would swing beyond rest.
+        ghosts.fill(velocity, Fill::Carried);
         viscous.set_rhs(on, velocity, rhs, number as f32);
         let s = (implicit_share(number) * number) as f32;
         viscous.solve(on, ghosts, s, rhs, velocity)

@@ -6,15 +6,18 @@
 //! with m = 1 and this D wherever no wall is near (else see [`super::walls`]).
 //! The right side is a whole step's change as the old velocity would have it: what is at rest
 //! or steady stays so, whatever the step. theta is 1/2 (Crank, Nicolson 1947) while that damps
-//! the finest ripples well, and goes to 1 (backward Euler) beyond: see [`implicit_share`]. The
-//! matrix is symmetric and positive definite for any walls, so conjugate gradients (Hestenes,
-//! Stiefel 1952) solve it, for the three components at once.
+//! the finest ripples well, and goes to 1 (backward Euler) beyond: see [`implicit_share`].
+//!
+//! In a box each component is solved for directly, by the transforms of [`super::poisson`]. The
+//! matrix is symmetric and positive definite for any walls, so elsewhere conjugate gradients
+//! (Hestenes, Stiefel 1952) solve it, for the three components at once.
 
 use crate::solver::flow::{
     engine::Engine,
-    faces::VesselFaces,
+    faces::{Faces, VesselFaces},
     field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut},
     ghosts::{Fill, Ghosts},
+    poisson::{Modal, Room},
 };
 
 /// The residual falls to this part of the right side, which is a change ...
@@ -35,15 +38,35 @@ pub fn implicit_share(a: f64) -> f64 {
 /// Solves for the change of velocity on one grid.
 pub struct Viscous {
     layout: Layout,
+    method: Method,
+}
+
+enum Method {
+    /// One system for each component that has room to change.
+    Direct(Vec<(usize, Modal)>, Room),
     /// Search direction, and the matrix times it.
-    krylov: [Vector; 2],
+    Gradients([Vector; 2]),
 }
 
 impl Viscous {
-    /// For a grid of this layout.
-    pub fn new(layout: &Layout) -> Self {
+    /// For the liquid that `faces` describe, between the sides of `ghosts`; directly on
+    /// `threads` threads at most.
+    pub fn new(layout: &Layout, faces: &Faces, ghosts: &Ghosts, threads: usize) -> Self {
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
-        Self { layout: *layout, krylov: [vector(), vector()] }
+        let method = if !faces.is_box || ghosts.is_any_free() {
+            Method::Gradients([vector(), vector()])
+        } else {
+            let mut room = Room::new(threads);
+            let component = |c| {
+                let (unknowns, ends) = ghosts.unknown_changes(c)?;
+                let modal = Modal::new(layout, unknowns, ends);
+                room.make_for(&modal);
+                Some((c, modal))
+            };
+            let modals = (0..3).filter_map(component).collect();
+            Method::Direct(modals, room)
+        };
+        Self { layout: *layout, method }
     }
 
     /// rhs = -a D u, the change that viscosity alone would make of `velocity`, a = nu dt / h^2.
@@ -55,7 +78,7 @@ impl Viscous {
     }
 
     /// Adds the solution of (m + s D) change = m rhs to `velocity`, and fills its ghosts; `rhs` is
-    /// used up. Returns the number of iterations.
+    /// used up. Returns the number of iterations: 0 where the solution is direct.
     pub fn solve(
         &mut self,
         on: Engine<'_>,
@@ -64,36 +87,62 @@ impl Viscous {
         rhs: &mut Vector,
         velocity: &mut Vector,
     ) -> u32 {
-        let (layout, [direction, product], residual) = (&self.layout, &mut self.krylov, rhs);
-        if let Some(vessel) = &on.faces.vessel {
-            vessel.walls.weigh(residual, false);
-        }
-        let mut square = norm(on, layout, components(residual));
-        let speed_square = norm(on, layout, components(velocity));
-        let small =
-            (square * TOLERANCE * TOLERANCE).max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
-        for c in 0..3 {
-            direction[c].copy_from_slice(&residual[c]);
-        }
-        let mut iterations = 0;
-        while square > small && iterations < MAX_ITERATIONS {
-            ghosts.fill(direction, Fill::Difference);
-            let curvature = apply(on, layout, components(direction), product, [1.0, s]);
-            if curvature <= 0.0 || !curvature.is_finite() {
-                break;
+        let layout = &self.layout;
+        let iterations = match &mut self.method {
+            Method::Gradients(krylov) => iterate(on, layout, ghosts, s, krylov, rhs, velocity),
+            Method::Direct(modals, room) => {
+                // As (1/s + D) (s change) = rhs.
+                for (c, modal) in modals.iter_mut().filter(|_| s > 0.0) {
+                    modal.set_shift(1.0 / f64::from(s));
+                    modal.solve_in_place(on.pool, on.simd, room, &mut rhs[*c]);
+                }
+                let per_s = if s > 0.0 { 1.0 / s } else { 1.0 };
+                combine(on, layout, 1.0, velocity, per_s, components(rhs));
+                0
             }
-            let alpha = (square / curvature) as f32;
-            combine(on, layout, 1.0, velocity, alpha, components(direction));
-            combine(on, layout, 1.0, residual, -alpha, components(product));
-            let square_next = norm(on, layout, components(residual));
-            let beta = (square_next / square) as f32;
-            combine(on, layout, beta, direction, 1.0, components(residual));
-            square = square_next;
-            iterations += 1;
-        }
+        };
         ghosts.fill(velocity, Fill::Unprojected);
         iterations
     }
+}
+
+/// Conjugate gradients, as [`Viscous::solve`].
+fn iterate(
+    on: Engine<'_>,
+    layout: &Layout,
+    ghosts: &Ghosts,
+    s: f32,
+    [direction, product]: &mut [Vector; 2],
+    residual: &mut Vector,
+    velocity: &mut Vector,
+) -> u32 {
+    if let Some(vessel) = &on.faces.vessel {
+        vessel.walls.weigh(residual, false);
+    }
+    let mut square = norm(on, layout, components(residual));
+    let speed_square = norm(on, layout, components(velocity));
+    let small =
+        (square * TOLERANCE * TOLERANCE).max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
+    for c in 0..3 {
+        direction[c].copy_from_slice(&residual[c]);
+    }
+    let mut iterations = 0;
+    while square > small && iterations < MAX_ITERATIONS {
+        ghosts.fill(direction, Fill::Difference);
+        let curvature = apply(on, layout, components(direction), product, [1.0, s]);
+        if curvature <= 0.0 || !curvature.is_finite() {
+            break;
+        }
+        let alpha = (square / curvature) as f32;
+        combine(on, layout, 1.0, velocity, alpha, components(direction));
+        combine(on, layout, 1.0, residual, -alpha, components(product));
+        let square_next = norm(on, layout, components(residual));
+        let beta = (square_next / square) as f32;
+        combine(on, layout, beta, direction, 1.0, components(residual));
+        square = square_next;
+        iterations += 1;
+    }
+    iterations
 }
 
 /// out = own u + share D u; returns u . out.
@@ -180,5 +229,58 @@ fn combine(
 fn combine_row(share: f32, out: &mut [f32], alpha: f32, u: &[f32]) {
     for (out, u) in out.iter_mut().zip(u) {
         *out = share * *out + alpha * u;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::{
+        grid::Grid,
+        pool::Pool,
+        simd::SimdClass,
+        solver::{Side, Sides, Walls, flow::faces::cells},
+        vessel::Vessel,
+    };
+
+    /// What is left of (1 + s D) change = rhs by the direct solution, as the kernel has D.
+    #[test]
+    fn the_direct_solution_leaves_rounding_for_all_sides() {
+        let lid = Side::Moving(Vec3::new(1.0, 0.0, 2.0));
+        let all = [
+            Sides::all(Side::FreeSlip),
+            Sides::all(Side::NoSlip),
+            Sides::of_vessel(Walls::NoSlip),
+            Sides::all(Side::NoSlip).with(1, [Side::FreeSlip, lid]).with(2, [Side::Periodic; 2]),
+            Sides::all(Side::Periodic).with(0, [Side::Inflow(Vec3::X); 2]),
+        ];
+        let (pool, simd) = (Pool::new(2, false), SimdClass::detect());
+        for (sides, size) in all.iter().flat_map(|s| [[9, 8, 7], [1, 6, 5]].map(|n| (s, n))) {
+            let (grid, layout) = (Grid { cells: size, ..Grid::unit_cube(9) }, Layout::new(size));
+            let faces = Faces::new(&layout, &grid, &Vessel::Box, sides, Walls::FreeSlip);
+            let (ghosts, vector) = (Ghosts::new(&layout, sides), || [0; 3].map(|_| layout.zeros()));
+            let on = Engine { pool: &pool, simd, faces: &faces };
+            let mut viscous = Viscous::new(&layout, &faces, &ghosts, pool.threads());
+            for s in [1e-3f32, 2.0, 1e4] {
+                let (mut rhs, mut change, mut back) = (vector(), vector(), vector());
+                for (c, (i, j, k)) in (0..3).flat_map(|c| cells(size).map(move |cell| (c, cell))) {
+                    let at = layout.index(i, j, k);
+                    let wave = ((3 * i + 5 * j + 7 * k + c) as f32).sin();
+                    rhs[c][at] = faces.open[c][at] * wave;
+                }
+                ghosts.fill(&mut rhs, Fill::Difference);
+                let asked = rhs.each_ref().map(|field| field.to_vec());
+                assert_eq!(viscous.solve(on, &ghosts, s, &mut rhs, &mut change), 0);
+                ghosts.fill(&mut change, Fill::Difference);
+                apply(on, &layout, components(&change), &mut back, [1.0, s]);
+                for (c, (i, j, k)) in (0..3).flat_map(|c| cells(size).map(move |cell| (c, cell))) {
+                    let at = layout.index(i, j, k);
+                    let miss = back[c][at] - faces.open[c][at] * asked[c][at];
+                    assert!(miss.abs() < 2e-5, "{sides:?} {size:?} {s} {c} {miss}");
+                }
+            }
+        }
     }
 }

@@ -10,7 +10,6 @@ use std::f64::consts::PI;
 
 /// Both ends of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(dead_code, reason = "so far all boxes are closed")]
 pub enum Ends {
     /// The last cell is the neighbour of the first.
     Periodic,
@@ -20,12 +19,13 @@ pub enum Ends {
 
 /// One end of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(dead_code, reason = "so far all boxes are closed")]
 pub enum End {
     /// No liquid passes.
     Closed,
     /// The solution is 0 in a cell beyond the end.
     Open,
+    /// The solution is 0 at the end, half way to a cell beyond.
+    Odd,
 }
 
 impl Ends {
@@ -53,30 +53,20 @@ pub struct Mode {
 
 /// All eigenvectors for `points` cells.
 pub fn modes(points: usize, ends: Ends) -> Vec<Mode> {
-    use End::{Closed, Open};
-    let n = points as f64;
     (0..points)
         .map(|m| match ends {
             Ends::Periodic => {
-                let (angle, is_even) = (2.0 * PI * m.div_ceil(2) as f64 / n, m % 2 == 0);
-                let wave = if is_even { f64::cos } else { f64::sin };
+                let angle = 2.0 * PI * m.div_ceil(2) as f64 / points as f64;
+                let wave = if m % 2 == 0 { f64::cos } else { f64::sin };
                 Mode::new(points, angle, |k| wave(angle * (k + 0.5)))
             }
-            Ends::Between([Closed, Closed]) => {
-                let angle = PI * m as f64 / n;
-                Mode::new(points, angle, |k| (angle * (k + 0.5)).cos())
-            }
-            Ends::Between([Closed, Open]) => {
-                let angle = PI * (2 * m + 1) as f64 / (2.0 * n + 1.0);
-                Mode::new(points, angle, |k| (angle * (k + 0.5)).cos())
-            }
-            Ends::Between([Open, Closed]) => {
-                let angle = PI * (2 * m + 1) as f64 / (2.0 * n + 1.0);
-                Mode::new(points, angle, |k| (angle * (n - k - 0.5)).cos())
-            }
-            Ends::Between([Open, Open]) => {
-                let angle = PI * (m + 1) as f64 / (n + 1.0);
-                Mode::new(points, angle, |k| (angle * (k + 1.0)).sin())
+            Ends::Between(ends) => {
+                let [before, after] = ends.map(|end| if end == End::Open { 1.0 } else { 0.5 });
+                let zeros = ends.iter().filter(|end| **end != End::Closed).count() as f64;
+                let length = before + (points - 1) as f64 + after;
+                let angle = PI * (m as f64 + 0.5 * zeros) / length;
+                let wave = if ends[0] == End::Closed { f64::cos } else { f64::sin };
+                Mode::new(points, angle, |k| wave(angle * (before + k)))
             }
         })
         .collect()
@@ -112,12 +102,17 @@ impl Mode {
 mod tests {
     use super::*;
 
-    pub const ALL: [Ends; 5] = [
+    pub const ALL: [Ends; 10] = [
         Ends::Periodic,
         Ends::CLOSED,
         Ends::Between([End::Closed, End::Open]),
         Ends::Between([End::Open, End::Closed]),
         Ends::Between([End::Open; 2]),
+        Ends::Between([End::Odd; 2]),
+        Ends::Between([End::Odd, End::Closed]),
+        Ends::Between([End::Closed, End::Odd]),
+        Ends::Between([End::Odd, End::Open]),
+        Ends::Between([End::Open, End::Odd]),
     ];
 
     /// The operator as the module states it.
@@ -125,8 +120,11 @@ mod tests {
         let n = a.len();
         let beyond = |k: usize, end: usize| match ends {
             Ends::Periodic => a[k] - a[n - 1 - k],
-            Ends::Between(ends) if ends[end] == End::Open => a[k],
-            Ends::Between(_) => 0.0,
+            Ends::Between(ends) => match ends[end] {
+                End::Closed => 0.0,
+                End::Open => a[k],
+                End::Odd => 2.0 * a[k],
+            },
         };
         let below = |k: usize| if k > 0 { a[k] - a[k - 1] } else { beyond(k, 0) };
         let above = |k: usize| if k + 1 < n { a[k] - a[k + 1] } else { beyond(k, 1) };

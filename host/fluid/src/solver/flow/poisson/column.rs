@@ -36,6 +36,7 @@ type Blocks = [[f32; LANES]; BLOCKS];
 /// The systems of one grid.
 pub struct Columns {
     planes: usize,
+    ends: Ends,
     is_folded: bool,
     /// Number of pivots, from the end, that even and odd part share.
     shared: usize,
@@ -45,8 +46,8 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Systems with these values of l_x + l_y; as many as fill whole columns.
-    pub fn new(eigenvalues: &[f64], planes: usize, ends: Ends) -> Self {
+    /// `count` systems, which are to be set; as many as fill whole columns.
+    pub fn new(count: usize, planes: usize, ends: Ends) -> Self {
         let is_folded = ends.are_alike();
         let shared = match ends {
             Ends::Periodic => 0,
@@ -54,28 +55,26 @@ impl Columns {
             Ends::Between(_) => planes,
         };
         let rows = planes - if is_folded { shared } else { 0 };
-        let mut columns = Self {
-            planes,
-            is_folded,
-            shared,
-            inverse_pivots: Field::zeros(eigenvalues.len() * rows),
-        };
-        for (at, eigenvalue) in eigenvalues.iter().enumerate() {
-            let start = at / WIDTH * rows * WIDTH + at % WIDTH;
-            if is_folded {
-                for is_odd in [false, true] {
-                    for (k, pivot) in half_pivots(*eigenvalue, planes, ends, is_odd).enumerate() {
-                        let row = columns.row(k, is_odd);
-                        columns.inverse_pivots[start + row * WIDTH] = pivot as f32;
-                    }
-                }
-            } else {
-                for (k, pivot) in pivots(*eigenvalue, planes, ends).enumerate() {
-                    columns.inverse_pivots[start + k * WIDTH] = pivot as f32;
-                }
+        Self { planes, ends, is_folded, shared, inverse_pivots: Field::zeros(count * rows) }
+    }
+
+    /// Sets the value of l_x + l_y of system `at`.
+    pub fn set(&mut self, at: usize, eigenvalue: f64) {
+        let rows = self.planes - if self.is_folded { self.shared } else { 0 };
+        let start = at / WIDTH * rows * WIDTH + at % WIDTH;
+        if !self.is_folded {
+            for (k, pivot) in pivots(eigenvalue, self.planes, self.ends).enumerate() {
+                self.inverse_pivots[start + k * WIDTH] = pivot as f32;
+            }
+            return;
+        }
+        for is_odd in [false, true] {
+            let pivots = half_pivots(eigenvalue, self.planes, self.ends, is_odd);
+            for (k, pivot) in pivots.enumerate() {
+                let row = self.row(k, is_odd);
+                self.inverse_pivots[start + row * WIDTH] = pivot as f32;
             }
         }
-        columns
     }
 
     /// Factor to scale the right-hand side by.
@@ -178,11 +177,16 @@ fn blocks_mut(values: &mut [f32], at: usize) -> &mut Blocks {
 
 /// Coupling of the first or last cell to what lies beyond.
 fn beyond(end: End) -> f64 {
-    if end == End::Open { 1.0 } else { 0.0 }
+    match end {
+        End::Closed => 0.0,
+        End::Open => 1.0,
+        End::Odd => 2.0,
+    }
 }
 
-fn inverse(pivot: f64) -> f64 {
-    if pivot > 1e-9 { 1.0 / pivot } else { 0.0 }
+/// 1 / `pivot`, or 0 where a system without an eigenvalue is singular.
+fn inverse(pivot: f64, eigenvalue: f64) -> f64 {
+    if eigenvalue > 0.0 || pivot > 1e-9 { 1.0 / pivot } else { 0.0 }
 }
 
 /// Inverse pivots of the whole system.
@@ -195,7 +199,7 @@ fn pivots(eigenvalue: f64, planes: usize, ends: Ends) -> impl Iterator<Item = f6
     (0..planes).map(move |k| {
         let down = if k > 0 { 1.0 } else { low };
         let up = if k + 1 < planes { 1.0 } else { high };
-        below = inverse(eigenvalue + down + up - below);
+        below = inverse(eigenvalue + down + up - below, eigenvalue);
         below
     })
 }
@@ -224,7 +228,7 @@ fn half_pivots(
     (0..half + middle).map(move |k| {
         let down = if k > 0 { 1.0 } else { outer };
         if k == half {
-            return 2.0 * inverse(eigenvalue + 2.0 * down - 2.0 * below);
+            return 2.0 * inverse(eigenvalue + 2.0 * down - 2.0 * below, eigenvalue);
         }
         let is_last = planes.is_multiple_of(2) && k + 1 == half;
         let up = match (is_last, is_odd) {
@@ -232,7 +236,7 @@ fn half_pivots(
             (true, false) => 0.0,
             (true, true) => 2.0,
         };
-        below = inverse(eigenvalue + down + up - below);
+        below = inverse(eigenvalue + down + up - below, eigenvalue);
         below
     })
 }

@@ -1,7 +1,7 @@
 //! The solver against its operator, for all kinds of ends.
 
 use super::{
-    Poisson,
+    Modal, Poisson, Room, Unknowns,
     basis::{End, Ends},
 };
 use crate::{
@@ -16,9 +16,11 @@ use crate::{
 const HALF_OPEN: Ends = Ends::Between([End::Closed, End::Open]);
 const OTHER_HALF: Ends = Ends::Between([End::Open, End::Closed]);
 const OPEN: Ends = Ends::Between([End::Open; 2]);
+const ODD: Ends = Ends::Between([End::Odd; 2]);
+const ODD_BELOW: Ends = Ends::Between([End::Odd, End::Closed]);
 
 /// Every kind of end on every axis, and what may go wrong with them together.
-const ENDS: [[Ends; 3]; 9] = [
+const ENDS: [[Ends; 3]; 12] = [
     [Ends::CLOSED; 3],
     [Ends::Periodic; 3],
     [OPEN; 3],
@@ -28,6 +30,9 @@ const ENDS: [[Ends; 3]; 9] = [
     [Ends::CLOSED, OPEN, Ends::Periodic],
     [HALF_OPEN, Ends::Periodic, Ends::CLOSED],
     [OPEN, OTHER_HALF, Ends::Periodic],
+    [ODD; 3],
+    [ODD_BELOW, ODD, OPEN],
+    [OPEN, ODD_BELOW, ODD_BELOW],
 ];
 
 const SIZES: [[usize; 3]; 9] = [
@@ -57,8 +62,11 @@ fn apply(size: [usize; 3], ends: [Ends; 3], psi: &[f64]) -> Vec<f64> {
                     (false, _) => psi[at] - psi[at - stride],
                     (true, Ends::Periodic) if up == 1 => psi[at] - psi[at - c * stride],
                     (true, Ends::Periodic) => psi[at] - psi[at + (n - 1) * stride],
-                    (true, Ends::Between(ends)) if ends[up] == End::Open => psi[at],
-                    (true, Ends::Between(_)) => 0.0,
+                    (true, Ends::Between(ends)) => match ends[up] {
+                        End::Closed => 0.0,
+                        End::Open => psi[at],
+                        End::Odd => 2.0 * psi[at],
+                    },
                 }
             };
             (0..3).map(|axis| across(axis, 0) + across(axis, 1)).sum()
@@ -184,4 +192,31 @@ fn solving_in_place_is_solving_and_leaves_the_padding_alone() {
     let inside: f32 = unpadded(&layout, &psi).iter().map(|v| v.abs() as f32).sum();
     let all: f32 = psi.iter().map(|v| v.abs()).sum();
     assert!(inside > 0.0 && (all - inside).abs() < 1e-4 * all);
+}
+
+#[test]
+fn a_shift_is_added_to_the_operator_and_only_the_unknowns_are_touched() {
+    let (layout, pool, simd) = (Layout::new([12, 9, 7]), Pool::inline(), SimdClass::detect());
+    let unknowns = Unknowns { first: [1, 0, 1], count: [11, 9, 6] };
+    let ends = [OPEN, ODD, OPEN];
+    let mut modal = Modal::new(&layout, unknowns, ends);
+    let mut room = Room::new(1);
+    room.make_for(&modal);
+    let rhs = right_hand_side(unknowns.count, ends);
+    let place = |(i, j, k): (usize, usize, usize)| layout.index(i + 1, j, k + 1);
+    for shift in [1e-12, 0.3, 1e6] {
+        modal.set_shift(shift);
+        let mut psi = layout.zeros();
+        psi.fill(7.0);
+        cells(unknowns.count).zip(&rhs).for_each(|(cell, rhs)| psi[place(cell)] = *rhs as f32);
+        modal.solve_in_place(&pool, simd, &mut room, &mut psi);
+        let found: Vec<f64> = cells(unknowns.count).map(|c| f64::from(psi[place(c)])).collect();
+        let back = apply(unknowns.count, ends, &found);
+        let scale = largest(rhs.iter().copied()) + (12.0 + shift) * largest(found.iter().copied());
+        let miss = (0..rhs.len()).map(|at| back[at] + shift * found[at] - rhs[at]);
+        assert!(largest(miss) < 1e-6 * scale, "{shift}");
+        let sum: f64 = psi.iter().map(|psi| f64::from(*psi)).sum();
+        let others = 7.0 * (psi.len() - found.len()) as f64;
+        assert!((sum - found.iter().sum::<f64>() - others).abs() < 1e-3, "{shift}");
+    }
 }
