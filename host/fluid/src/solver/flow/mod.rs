@@ -11,6 +11,7 @@ pub(crate) mod faces;
 pub(crate) mod field;
 mod ghosts;
 mod krylov;
+mod medium;
 mod momentum;
 mod poisson;
 mod pressure;
@@ -22,6 +23,8 @@ mod trace;
 mod viscous;
 mod walls;
 
+pub use self::medium::Medium;
+
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
@@ -32,6 +35,7 @@ use self::{
     faces::{Faces, cells},
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
+    medium::{Mixture, working},
     pressure::{Prediction, Projection},
     stages::History,
     survey::Survey,
@@ -70,6 +74,13 @@ fn check_grid(grid: &Grid) -> Result<(), Refused> {
     Ok(())
 }
 
+fn gravity(setup: &Setup) -> Result<DVec3, Refused> {
+    for value in setup.gravity_m_s2.to_array() {
+        within("gravity_m_s2", f64::from(value), MAX_ACCELERATION_M_S2)?;
+    }
+    Ok(setup.gravity_m_s2.as_dvec3())
+}
+
 /// Incompressible flow in a vessel.
 pub struct Flow {
     grid: Grid,
@@ -82,6 +93,11 @@ pub struct Flow {
     side_speed_m_s: f64,
     density_kg_m3: f64,
     viscosity_m2_s: f64,
+    gravity_m_s2: DVec3,
+    /// The liquid without anything in it.
+    pure: Medium,
+    /// What is not the same everywhere; `None` if all is.
+    mixture: Option<Box<Mixture>>,
     pool: Arc<Pool>,
     simd: SimdClass,
     velocity: Vector,
@@ -120,7 +136,7 @@ impl Flow {
     /// # Errors
     /// [`SetupError`] if the grid has no cell or one narrower than a nanometre or wider than
     /// 1000 km, its origin is not finite, density or viscosity are negative, not finite or above
-    /// 10^6, or the sides make no sense together.
+    /// 10^6, gravity is not finite or above 10^6, or the sides make no sense together.
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         check_grid(&setup.grid)?;
         let [nx, ny, nz] = setup.grid.cells;
@@ -137,6 +153,9 @@ impl Flow {
             side_speed_m_s: setup.sides.largest_speed_m_s(),
             density_kg_m3,
             viscosity_m2_s,
+            gravity_m_s2: gravity(setup)?,
+            pure: Medium { density_kg_m3, viscosity_m2_s },
+            mixture: None,
             pool: Arc::clone(&setup.pool),
             simd: setup.simd,
             velocity: vector(),
@@ -298,7 +317,7 @@ impl Flow {
 
     fn surveyed(&self) -> Survey {
         self.survey.unwrap_or_else(|| {
-            let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+            let force = working(self.force.as_ref(), self.mixture.as_deref());
             Survey::new(self.engine(), &self.layout, components(&self.velocity), force)
         })
     }
@@ -389,6 +408,8 @@ impl Solver for Flow {
 
     fn scale_force(&mut self, start: f64, end: f64) -> Result<(), Refused> {
         self.force_scale = [within("force scale", start, 1e3)?, within("force scale", end, 1e3)?];
+        // The drive of a mixture has the scale in it.
+        self.survey = self.survey.filter(|_| self.mixture.is_none());
         Ok(())
     }
 

@@ -7,6 +7,7 @@ use crate::solver::flow::{
     engine::Engine,
     field::{Vector, components},
     ghosts::Fill,
+    medium::accelerating,
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
     pressure::Prediction,
     step::Part,
@@ -73,7 +74,8 @@ impl Flow {
         Terms {
             advection_per_m: (-1.0 / (4.0 * spacing_m)) as f32,
             viscous_per_s: (viscosity_m2_s / (spacing_m * spacing_m)) as f32,
-            force: part.scale_at(share) as f32,
+            // The drive of a mixture has the scale in it.
+            force: if self.mixture.is_some() { 1.0 } else { part.scale_at(share) as f32 },
         }
     }
 
@@ -94,10 +96,11 @@ impl Flow {
         self.pressure_dt_s = 0.0;
         let advance = self.multistep(part, true);
         let terms = self.terms(part, advance.force_at(), true);
+        let scale = part.scale_at(advance.force_at());
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
-        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let on = Engine { pool, simd: *simd, faces };
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, scale);
+        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
@@ -127,12 +130,13 @@ impl Flow {
         let rates = self.multistep(part, false);
         let terms = self.terms(part, rates.force_at(), false);
         let number = self.diffusion_number(part.dt_s);
+        let scale = part.scale_at(rates.force_at());
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let on = Engine { pool, simd: *simd, faces };
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, scale);
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let (dt_s, viscous) = (part.dt_s as f32, number as f32);
         let advance = Semi { rates, pressure: &self.pressure.next, dt_s, viscous };
-        let on = Engine { pool, simd: *simd, faces };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
@@ -174,14 +178,14 @@ impl Flow {
         let terms = STAGES.map(|(.., at)| self.terms(part, at, true));
         let Self { layout, faces, ghosts, velocity, stage, pressure, pool, simd, .. } = self;
         let [first, second] = stage;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
         let on = Engine { pool, simd: *simd, faces };
-        for (index, (start_share, own_share, _)) in STAGES.into_iter().enumerate() {
+        for (index, (start_share, own_share, at)) in STAGES.into_iter().enumerate() {
             let (from, to): (&Vector, &mut Vector) = match index {
                 0 => (velocity, &mut *first),
                 1 => (&*first, &mut *second),
                 _ => (&*second, &mut *first),
             };
+            let force = accelerating(on, layout, &self.force, &mut self.mixture, part.scale_at(at));
             let (layout, velocity) = (*layout, components(velocity));
             let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
             let advance = RungeKutta {

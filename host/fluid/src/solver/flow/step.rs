@@ -6,8 +6,8 @@ use crate::solver::{
         Flow, MAX_SPEED_M_S,
         carry::Carriage,
         engine::Engine,
-        field::components,
         ghosts::Fill,
+        medium::working,
         pressure::Projected,
         schedule::{Plan, plan},
         survey::Survey,
@@ -47,6 +47,9 @@ impl Flow {
     /// See [`crate::solver::Solver::step`].
     pub(super) fn advance(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
         check_step(dt_s)?;
+        if self.survey.is_none() {
+            self.set_drive();
+        }
         let before = self.surveyed();
         if dt_s == 0.0 || (self.may_sleep && before.speed_m_s == 0.0 && !self.is_forced()) {
             self.survey = Some(before);
@@ -91,7 +94,8 @@ impl Flow {
     fn plan(&self, dt_s: f64, before: Survey) -> Plan {
         let spacing_m = f64::from(self.grid.spacing_m);
         let scale = self.force_scale[0].abs().max(self.force_scale[1].abs());
-        let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale);
+        let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale)
+            + self.mixture.as_ref().map_or(0.0, |mixture| mixture.largest_m_s2);
         let speed_m_s = before.speed_m_s.max(self.side_speed_m_s) + pull * dt_s;
         let cfl = speed_m_s * dt_s / spacing_m;
         plan(cfl, 12.0 * self.diffusion_number(dt_s), self.forced)
@@ -107,7 +111,8 @@ impl Flow {
     fn is_forced(&self) -> bool {
         let is_pushed = self.force.as_ref().is_some_and(|force| force.largest_m_s2 > 0.0)
             && self.force_scale != [0.0; 2];
-        is_pushed || self.side_speed_m_s > 0.0
+        let is_pulled = self.mixture.as_ref().is_some_and(|mixture| mixture.largest_m_s2 > 0.0);
+        is_pushed || is_pulled || self.side_speed_m_s > 0.0
     }
 
     pub(super) fn diffusion_number(&self, dt_s: f64) -> f64 {
@@ -115,8 +120,9 @@ impl Flow {
     }
 
     pub(super) fn clear_divergence(&mut self) -> Projected {
+        self.set_drive();
         let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let force = working(self.force.as_ref(), self.mixture.as_deref());
         let on = Engine { pool, simd: *simd, faces };
         projection.project(on, ghosts, velocity, force)
     }
@@ -132,7 +138,9 @@ impl Flow {
         report: &mut StepReport,
     ) -> Survey {
         // As u'^2 - u^2 = (u' + u)(u' - u): exact, however the force changes meanwhile.
-        let push_s = 0.5 * dt_s * (self.force_scale[0] + self.force_scale[1]);
+        // The drive of a mixture has the scale in it.
+        let scale = 0.5 * (self.force_scale[0] + self.force_scale[1]);
+        let push_s = if self.mixture.is_some() { dt_s } else { dt_s * scale };
         let work = 0.5 * push_s * (before.power_m2_s3 + after.power_m2_s3);
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
         self.excess_m2_s2 = if self.is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };

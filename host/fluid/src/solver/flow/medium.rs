@@ -1,0 +1,232 @@
+//! What the liquid is made of, cell by cell.
+//!
+//! Small differences of density act through gravity alone (Boussinesq 1903):
+//! ```text
+//! du/dt = ... + g (rho - rho_level) / rho_0
+//! ```
+//! rho_level being the least density at the same height: what depends on the height alone is the
+//! gradient of a pressure, and liquid in level layers stays at rest to the last bit.
+
+use glam::DVec3;
+
+use crate::solver::{
+    Refused,
+    flow::{
+        Flow, Force,
+        engine::Engine,
+        faces::cells,
+        field::{Field, Layout, Run, Vector, components, cut, cut_mut},
+    },
+    within,
+};
+
+/// What a liquid is like at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// Density.
+    pub density_kg_m3: f64,
+    /// Kinematic viscosity.
+    pub viscosity_m2_s: f64,
+}
+
+impl Medium {
+    /// # Errors
+    /// [`Refused`] if a value is not finite or out of range.
+    fn check(self) -> Result<Self, Refused> {
+        for (what, value, least) in [
+            ("density_kg_m3", self.density_kg_m3, f64::MIN_POSITIVE),
+            ("viscosity_m2_s", self.viscosity_m2_s, 0.0),
+        ] {
+            let sound = if value < least { f64::NAN } else { value };
+            within(what, sound, 1e6).map_err(|refused| Refused { value, ..refused })?;
+        }
+        Ok(self)
+    }
+}
+
+/// Liquid that is not the same everywhere. Arrays are padded; densities are per that of the flow.
+pub(super) struct Mixture {
+    /// Density of each cell, and beyond the sides as next to them.
+    pub(super) density: Field,
+    /// Kinematic viscosity of each cell.
+    pub(super) viscosity_m2_s: Field,
+    /// What gravity does at open faces.
+    buoyancy_m_s2: Vector,
+    /// Largest of it.
+    pub(super) largest_m_s2: f64,
+    /// All that accelerates a stage.
+    total_m_s2: Vector,
+}
+
+/// Least and most over the liquid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Range {
+    least: f32,
+    most: f32,
+}
+
+impl Mixture {
+    fn new(layout: &Layout) -> Self {
+        let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
+        Self {
+            density: layout.zeros(),
+            viscosity_m2_s: layout.zeros(),
+            buoyancy_m_s2: vector(),
+            largest_m_s2: 0.0,
+            total_m_s2: vector(),
+        }
+    }
+
+    /// Sets what gravity does to it.
+    fn set_buoyancy(&mut self, layout: &Layout, open: &Vector, gravity_m_s2: DVec3) {
+        self.largest_m_s2 = 0.0;
+        for c in 0..3 {
+            let (out, gravity) = (&mut self.buoyancy_m_s2[c], gravity_m_s2[c] as f32);
+            if gravity == 0.0 {
+                out.fill(0.0);
+                continue;
+            }
+            let (stride, density, open) = (layout.strides()[c], &*self.density, &*open[c]);
+            let mean = |at: usize| 0.5 * (density[at] + density[at - stride]);
+            let mut lightest = vec![f32::INFINITY; layout.cells[c]];
+            let faces = || {
+                let all = cells(layout.cells).map(|(i, j, k)| ([i, j, k], layout.index(i, j, k)));
+                all.filter(|(_, at)| open[*at] > 0.0)
+            };
+            for (face, at) in faces() {
+                lightest[face[c]] = lightest[face[c]].min(mean(at));
+            }
+            for (face, at) in faces() {
+                out[at] = gravity * (mean(at) - lightest[face[c]]);
+                self.largest_m_s2 = self.largest_m_s2.max(f64::from(out[at].abs()));
+            }
+        }
+    }
+
+    /// What accelerates the liquid while the force has this scale, besides its own flow.
+    pub(super) fn drive(
+        &mut self,
+        on: Engine<'_>,
+        layout: &Layout,
+        force: Option<&Force>,
+        scale: f64,
+    ) -> [&[f32]; 3] {
+        let Some(force) = force else { return components(&self.buoyancy_m_s2) };
+        let outs = self.total_m_s2.each_mut().map(|out| layout.planes(out));
+        let (scale, buoyancy) = (scale as f32, &self.buoyancy_m_s2);
+        on.pool.planes(outs, [layout.plane; 3], |k, outs| {
+            on.run(
+                layout,
+                k,
+                #[inline(always)]
+                |Run { at, to, len }, _| {
+                    for (c, out) in outs.into_iter().enumerate() {
+                        let out = cut_mut(out, to, len);
+                        let force = cut(&force.acceleration_m_s2[c], at, len);
+                        let buoyancy = cut(&buoyancy[c], at, len);
+                        for i in 0..len {
+                            out[i] = scale * force[i] + buoyancy[i];
+                        }
+                    }
+                },
+            );
+        });
+        components(&self.total_m_s2)
+    }
+
+    /// What [`Mixture::drive`] has found last.
+    pub(super) fn driven(&self, force: Option<&Force>) -> [&[f32]; 3] {
+        components(if force.is_some() { &self.total_m_s2 } else { &self.buoyancy_m_s2 })
+    }
+}
+
+/// What accelerates a stage in which the force has this scale: the scale is in it where there
+/// is a mixture, and to be multiplied by elsewhere.
+pub(super) fn accelerating<'a>(
+    on: Engine<'_>,
+    layout: &Layout,
+    force: &'a Option<Force>,
+    mixture: &'a mut Option<Box<Mixture>>,
+    scale: f64,
+) -> Option<[&'a [f32]; 3]> {
+    match mixture {
+        Some(mixture) => Some(mixture.drive(on, layout, force.as_ref(), scale)),
+        None => force.as_ref().map(|force| components(&force.acceleration_m_s2)),
+    }
+}
+
+/// What works on the flow, for the books of its energy: by one of force, or all there is.
+pub(super) fn working<'a>(
+    force: Option<&'a Force>,
+    mixture: Option<&'a Mixture>,
+) -> Option<[&'a [f32]; 3]> {
+    let alone = || force.map(|force| components(&force.acceleration_m_s2));
+    mixture.map(|mixture| mixture.driven(force)).or_else(alone)
+}
+
+impl Flow {
+    /// Prepares what works on a mixture in the whole step, for the books of its energy.
+    pub(super) fn set_drive(&mut self) {
+        let scale = 0.5 * (self.force_scale[0] + self.force_scale[1]);
+        let Self { layout, faces, pool, simd, force, mixture, .. } = self;
+        let on = Engine { pool, simd: *simd, faces };
+        if let (Some(mixture), Some(force)) = (mixture, force) {
+            mixture.drive(on, layout, Some(force), scale);
+        }
+    }
+
+    /// Says what the liquid is made of, from the next step on: `medium` is sampled at the centres of
+    /// the cells. Where densities differ by at most a tenth from [`crate::solver::Setup`]'s they
+    /// act through its gravity alone (Boussinesq 1903). A medium that is the same everywhere
+    /// costs nothing.
+    ///
+    /// # Errors
+    /// [`Refused`] if a density is not above 0, a viscosity negative, or either not finite or above
+    /// 10^6; nothing is changed then.
+    pub fn set_medium(&mut self, medium: &dyn Fn(DVec3) -> Medium) -> Result<(), Refused> {
+        let (mut density, mut viscosity_m2_s) = (self.layout.zeros(), self.layout.zeros());
+        for (i, j, k) in cells(self.layout.cells) {
+            let centre = self.grid.centre_in_world_m(i, j, k).as_dvec3();
+            let found = medium(centre).check()?;
+            let at = self.layout.index(i, j, k);
+            density[at] = found.density_kg_m3 as f32;
+            viscosity_m2_s[at] = found.viscosity_m2_s as f32;
+        }
+        let mixture = self.mixture.take();
+        let mixture = mixture.unwrap_or_else(|| Box::new(Mixture::new(&self.layout)));
+        self.settle_medium(Box::new(Mixture { density, viscosity_m2_s, ..*mixture }));
+        Ok(())
+    }
+
+    /// Takes a mixture whose densities are in kg/m^3, and keeps what differs in it.
+    fn settle_medium(&mut self, mut mixture: Box<Mixture>) {
+        let density = self.range(&mixture.density);
+        let viscosity = self.range(&mixture.viscosity_m2_s);
+        let pure = self.pure.density_kg_m3 as f32;
+        let reference = pure.clamp(density.least, density.most);
+        self.density_kg_m3 = f64::from(reference);
+        self.viscosity_m2_s = f64::from(viscosity.most);
+        self.survey = None;
+        if density.least == density.most && viscosity.least == viscosity.most {
+            self.mixture = None;
+            return;
+        }
+        let Self { layout, faces, ghosts, gravity_m_s2, .. } = self;
+        mixture.density.iter_mut().for_each(|density| *density /= reference);
+        ghosts.extend_cells(&mut mixture.density);
+        mixture.set_buoyancy(layout, &faces.open, *gravity_m_s2);
+        self.mixture = Some(mixture);
+    }
+
+    fn range(&self, field: &Field) -> Range {
+        let mut range = Range { least: f32::INFINITY, most: 0.0 };
+        for (i, j, k) in cells(self.layout.cells) {
+            let at = self.layout.index(i, j, k);
+            if self.faces.liquid[at] > 0.0 {
+                range.least = range.least.min(field[at]);
+                range.most = range.most.max(field[at]);
+            }
+        }
+        range
+    }
+}
