@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use cauldron_fluid::{
     Grid, Vessel,
     solver::{
-        Setup, Solver, Walls,
+        Scheme, Setup, Side, Sides, Solver, Walls,
         flow::{Flow, Medium},
     },
 };
@@ -108,4 +108,139 @@ fn a_medium_that_is_none_is_refused_by_name_and_changes_nothing() {
     let nowhere = Setup { gravity_m_s2: Vec3::NAN, ..heavy(4, Vessel::Box) };
     let refused = Flow::new(&nowhere).err().expect("no gravity").to_string();
     assert!(refused.contains("gravity_m_s2"), "{refused}");
+}
+
+/// A channel between plates at y = 0 and 1, the upper one moving.
+fn channel(n: usize, lid_m_s: f32) -> Setup {
+    let sides = Sides::all(Side::Periodic)
+        .with(1, [Side::NoSlip, Side::Moving(Vec3::new(lid_m_s, 0.0, 0.0))]);
+    let grid = Grid { cells: [4, n, 3], ..Grid::unit_cube(n) };
+    Setup { sides, viscosity_m2_s: 1.0, ..Setup::new(grid, Vessel::Box) }
+}
+
+fn thick(viscosity_m2_s: f64) -> Medium {
+    Medium { density_kg_m3: 1000.0, viscosity_m2_s }
+}
+
+/// Largest error of the velocity along x.
+fn worst_error(flow: &Flow, exact: impl Fn(f64) -> f64) -> f64 {
+    let mut worst = 0f64;
+    flow.visit(&mut |p, c, value| {
+        let exact = if c == 0 { exact(p.y) } else { 0.0 };
+        worst = worst.max((value - exact).abs());
+    });
+    worst
+}
+
+#[test]
+fn two_layers_between_moving_plates_share_the_shear_as_their_viscosities_say() {
+    for contrast in [3.0, 1e3, 1e6] {
+        let mut flow = Flow::new(&channel(8, 1.0)).expect("a flow");
+        let nu = |y: f64| if y < 0.5 { 0.1 } else { 0.1 * contrast };
+        flow.set_medium(&|p| thick(nu(p.y))).expect("in range");
+        let mut guard_actions = 0;
+        for _ in 0..40 {
+            guard_actions += flow.step(50.0).expect("in range").guard_actions;
+        }
+        // The stress is the same in both.
+        let stress = 2.0 / (1.0 / 0.1 + 1.0 / (0.1 * contrast));
+        let exact = |y: f64| match y < 0.5 {
+            true => stress * y / 0.1,
+            false => 1.0 - stress * (1.0 - y) / (0.1 * contrast),
+        };
+        let worst = worst_error(&flow, exact);
+        // What is left at a millionfold is the rounding of f32, times that viscosity.
+        let allowed = if contrast < 1e6 { 2e-3 } else { 0.05 };
+        assert!(worst < allowed && guard_actions == 0, "{contrast}: {worst} {guard_actions}");
+    }
+}
+
+#[test]
+fn two_layers_that_are_pushed_converge_with_the_square_of_the_spacing() {
+    let nu = |y: f64| if y < 0.5 { 1.0 } else { 20.0 };
+    // nu u'' = -1 in each, with one stress nu u' = s - y.
+    let s = {
+        let (a, b) = (1.0, 20.0);
+        (0.125 / a + 0.375 / b) / (0.5 / a + 0.5 / b)
+    };
+    let exact = |y: f64| match y < 0.5 {
+        true => s * y - 0.5 * y * y,
+        false => (s * (y - 1.0) - 0.5 * (y * y - 1.0)) / 20.0,
+    };
+    let error = |n| {
+        let mut flow = Flow::new(&channel(n, 0.0)).expect("a flow");
+        flow.set_medium(&|p| thick(nu(p.y))).expect("in range");
+        flow.set_force(&|_| DVec3::X).expect("finite");
+        (0..40).for_each(|_| assert!(flow.step(0.1).expect("in range").guard_actions == 0));
+        worst_error(&flow, exact)
+    };
+    let (coarse, fine) = (error(8), error(16));
+    let order = (coarse / fine).log2();
+    assert!(fine < 2e-3 && order > 1.6, "{coarse} {fine} {order}");
+}
+
+#[test]
+fn a_viscosity_that_hardly_differs_does_as_the_same_everywhere() {
+    let wild = |p: DVec3| {
+        0.1 * DVec3::new(
+            (7.0 * p.y).sin(),
+            (5.0 * p.z).cos(),
+            (6.0 * p.x).sin() * (3.0 * p.y).cos(),
+        )
+    };
+    for (vessel, allowed) in [(Vessel::Box, 2e-3), (pot(), 0.05)] {
+        for (dt_s, scheme) in [(1e-4, Scheme::Multistep), (5e-3, Scheme::MultistepImplicit)] {
+            let run = |more: f64| {
+                let sides = Sides::of_vessel(Walls::NoSlip);
+                let setup = Setup { sides, walls: Walls::NoSlip, ..heavy(12, vessel.clone()) };
+                let mut flow = Flow::new(&Setup { viscosity_m2_s: 0.5, ..setup }).expect("a flow");
+                let nu = |p: DVec3| if p.x > 0.5 { 0.5 * (1.0 + more) } else { 0.5 };
+                flow.set_medium(&|p| thick(nu(p))).expect("in range");
+                flow.set_velocity(&wild).expect("finite");
+                flow.project();
+                let mut before = flow.kinetic_energy_j();
+                for _ in 0..3 {
+                    let report = flow.step(dt_s).expect("in range");
+                    assert_eq!((report.scheme, report.guard_actions), (scheme, 0));
+                    assert!(report.kinetic_energy_j < before);
+                    before = report.kinetic_energy_j;
+                }
+                let mut values = Vec::new();
+                flow.visit(&mut |_, _, value| values.push(value));
+                values
+            };
+            let (same, other) = (run(0.0), run(1e-5));
+            let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let apart: Vec<f64> = same.iter().zip(&other).map(|(a, b)| a - b).collect();
+            let error = size(&apart) / size(&same);
+            assert!(error < allowed, "{vessel:?} {dt_s}: {error}");
+        }
+    }
+}
+
+#[test]
+fn any_contrast_comes_to_rest_and_gains_nothing() {
+    for vessel in [Vessel::Box, pot()] {
+        for dt_s in [1e-3, 0.05, 5.0] {
+            let setup = Setup { walls: Walls::NoSlip, ..heavy(10, vessel.clone()) };
+            let mut flow = Flow::new(&setup).expect("a flow");
+            // A millionfold within a cell.
+            let nu = |p: DVec3| if (p.x - 0.5).abs() < 0.2 && p.y < 0.6 { 1e4 } else { 1e-2 };
+            flow.set_medium(&|p| thick(nu(p))).expect("in range");
+            let wild =
+                |p: DVec3| DVec3::new((9.0 * p.y).sin(), (7.0 * p.z).cos(), (8.0 * p.x).sin());
+            flow.set_velocity(&wild).expect("finite");
+            flow.project();
+            let mut before = flow.kinetic_energy_j();
+            for _ in 0..30 {
+                let after = flow.step(dt_s).expect("in range").kinetic_energy_j;
+                assert!(after <= 1.001 * before, "{dt_s}: {before} {after}");
+                before = after;
+            }
+            for _ in 0..60 {
+                flow.step(5.0).expect("in range");
+            }
+            assert!(flow.step(5.0).expect("in range").asleep, "{}", flow.kinetic_energy_j());
+        }
+    }
 }

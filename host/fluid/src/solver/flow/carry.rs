@@ -186,7 +186,7 @@ impl Flow {
         let Self { layout, faces, pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         let push_s = if self.mixture.is_some() { dt_s } else { dt_s * force_scale } as f32;
-        let force = accelerating(on, layout, &self.force, &mut self.mixture, force_scale);
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, force_scale, None);
         let Some(force) = force else { return };
         for (u, f) in self.velocity.iter_mut().zip(force) {
             let pairs = u.iter_mut().zip(f);

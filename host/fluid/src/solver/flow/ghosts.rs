@@ -157,6 +157,11 @@ impl Ghosts {
         matches!(self.rules[axis][end], Rule::Free)
     }
 
+    /// True if the flow sticks to the side.
+    pub fn holds(&self, axis: usize, end: usize) -> bool {
+        matches!(self.rules[axis][end], Rule::Sticks(_))
+    }
+
     /// Fills the ghosts of a pressure that a correction needs: none at a wall.
     pub fn fill_pressure(&self, psi: &mut Field) {
         if (0..3).any(|axis| self.is_periodic(axis)) {

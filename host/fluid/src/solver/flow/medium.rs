@@ -16,6 +16,7 @@ use crate::solver::{
         engine::Engine,
         faces::cells,
         field::{Field, Layout, Run, Vector, components, cut, cut_mut},
+        thick::Thick,
     },
     within,
 };
@@ -56,6 +57,9 @@ pub(super) struct Mixture {
     pub(super) largest_m_s2: f64,
     /// All that accelerates a stage.
     total_m_s2: Vector,
+    /// The friction of viscosities that differ; as it was when they last did.
+    thick: Option<Thick>,
+    is_thick_somewhere: bool,
 }
 
 /// Least and most over the liquid.
@@ -74,7 +78,20 @@ impl Mixture {
             buoyancy_m_s2: vector(),
             largest_m_s2: 0.0,
             total_m_s2: vector(),
+            thick: None,
+            is_thick_somewhere: false,
         }
+    }
+
+    /// The friction, if the viscosity differs from place to place.
+    pub(super) fn thick(&mut self) -> Option<&mut Thick> {
+        self.thick.as_mut().filter(|_| self.is_thick_somewhere)
+    }
+
+    /// No friction that differs from place to place is faster than this; `None` if none does.
+    pub(super) fn stiffness_per_s(&self) -> Option<f64> {
+        let thick = self.thick.as_ref().filter(|_| self.is_thick_somewhere);
+        thick.map(|thick| thick.stress.stiffness_per_s)
     }
 
     /// Sets what gravity does to it.
@@ -103,15 +120,34 @@ impl Mixture {
         }
     }
 
-    /// What accelerates the liquid while the force has this scale, besides its own flow.
+    /// What accelerates the liquid while the force has this scale, besides its own flow; with the
+    /// friction of a velocity, if that is to be in it and differs from place to place.
     pub(super) fn drive(
         &mut self,
         on: Engine<'_>,
         layout: &Layout,
         force: Option<&Force>,
         scale: f64,
+        slowed: Option<[&[f32]; 3]>,
     ) -> [&[f32]; 3] {
-        let Some(force) = force else { return components(&self.buoyancy_m_s2) };
+        let slowed = slowed.filter(|_| self.is_thick_somewhere);
+        if force.is_none() && slowed.is_none() {
+            return components(&self.buoyancy_m_s2);
+        }
+        self.sum_up(on, layout, force, scale);
+        if let (Some(velocity), Some(thick)) = (slowed, &mut self.thick) {
+            thick.slow(on, velocity, &mut self.total_m_s2);
+        }
+        components(&self.total_m_s2)
+    }
+
+    fn sum_up(&mut self, on: Engine<'_>, layout: &Layout, force: Option<&Force>, scale: f64) {
+        let Some(force) = force else {
+            for (total, buoyancy) in self.total_m_s2.iter_mut().zip(&self.buoyancy_m_s2) {
+                total.copy_from_slice(buoyancy);
+            }
+            return;
+        };
         let outs = self.total_m_s2.each_mut().map(|out| layout.planes(out));
         let (scale, buoyancy) = (scale as f32, &self.buoyancy_m_s2);
         on.pool.planes(outs, [layout.plane; 3], |k, outs| {
@@ -131,7 +167,6 @@ impl Mixture {
                 },
             );
         });
-        components(&self.total_m_s2)
     }
 
     /// What [`Mixture::drive`] has found last.
@@ -141,16 +176,17 @@ impl Mixture {
 }
 
 /// What accelerates a stage in which the force has this scale: the scale is in it where there
-/// is a mixture, and to be multiplied by elsewhere.
+/// is a mixture, and to be multiplied by elsewhere; so is the friction of a velocity to slow.
 pub(super) fn accelerating<'a>(
     on: Engine<'_>,
     layout: &Layout,
     force: &'a Option<Force>,
     mixture: &'a mut Option<Box<Mixture>>,
     scale: f64,
+    slowed: Option<[&[f32]; 3]>,
 ) -> Option<[&'a [f32]; 3]> {
     match mixture {
-        Some(mixture) => Some(mixture.drive(on, layout, force.as_ref(), scale)),
+        Some(mixture) => Some(mixture.drive(on, layout, force.as_ref(), scale, slowed)),
         None => force.as_ref().map(|force| components(&force.acceleration_m_s2)),
     }
 }
@@ -171,7 +207,7 @@ impl Flow {
         let Self { layout, faces, pool, simd, force, mixture, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         if let (Some(mixture), Some(force)) = (mixture, force) {
-            mixture.drive(on, layout, Some(force), scale);
+            mixture.drive(on, layout, Some(force), scale, None);
         }
     }
 
@@ -211,11 +247,25 @@ impl Flow {
             self.mixture = None;
             return;
         }
-        let Self { layout, faces, ghosts, gravity_m_s2, .. } = self;
+        let Self { layout, faces, ghosts, gravity_m_s2, pool, simd, .. } = self;
         mixture.density.iter_mut().for_each(|density| *density /= reference);
         ghosts.extend_cells(&mut mixture.density);
         mixture.set_buoyancy(layout, &faces.open, *gravity_m_s2);
+        mixture.is_thick_somewhere = viscosity.least < viscosity.most;
+        if mixture.is_thick_somewhere {
+            let thick = mixture.thick.get_or_insert_with(|| Thick::new(layout, faces));
+            let per_area = self.grid.spacing_m.powi(2).recip();
+            let on = Engine { pool, simd: *simd, faces };
+            thick.stress.set(on, ghosts, &mixture.viscosity_m2_s, None, per_area);
+        }
         self.mixture = Some(mixture);
+    }
+
+    /// The viscosity is the same everywhere from now on.
+    pub(super) fn forget_thickness(&mut self) {
+        if let Some(mixture) = &mut self.mixture {
+            mixture.is_thick_somewhere = false;
+        }
     }
 
     fn range(&self, field: &Field) -> Range {

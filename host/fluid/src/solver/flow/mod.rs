@@ -18,7 +18,9 @@ mod pressure;
 mod schedule;
 mod stages;
 mod step;
+mod stress;
 mod survey;
+mod thick;
 mod trace;
 mod viscous;
 mod walls;
@@ -213,12 +215,14 @@ impl Flow {
         self.density_kg_m3 * f64::from(self.grid.cell_volume_m3())
     }
 
-    /// Changes the kinematic viscosity from the next step on.
+    /// Changes the kinematic viscosity from the next step on, to the same everywhere.
     ///
     /// # Errors
     /// [`Refused`] if it is negative, not finite or above 10^6 m^2/s; it is unchanged then.
     pub fn set_viscosity_m2_s(&mut self, viscosity_m2_s: f32) -> Result<(), Refused> {
         self.viscosity_m2_s = not_negative("viscosity_m2_s", viscosity_m2_s)?;
+        self.pure.viscosity_m2_s = self.viscosity_m2_s;
+        self.forget_thickness();
         Ok(())
     }
 

@@ -70,7 +70,8 @@ impl Flow {
     /// The terms of a stage at `share` of the part.
     fn terms(&self, part: Part, share: f64, with_viscosity: bool) -> Terms {
         let spacing_m = f64::from(self.grid.spacing_m);
-        let viscosity_m2_s = if with_viscosity { self.viscosity_m2_s } else { 0.0 };
+        let is_uniform = self.thick_per_s().is_none();
+        let viscosity_m2_s = if with_viscosity && is_uniform { self.viscosity_m2_s } else { 0.0 };
         Terms {
             advection_per_m: (-1.0 / (4.0 * spacing_m)) as f32,
             viscous_per_s: (viscosity_m2_s / (spacing_m * spacing_m)) as f32,
@@ -99,7 +100,8 @@ impl Flow {
         let scale = part.scale_at(advance.force_at());
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
-        let force = accelerating(on, layout, &self.force, &mut self.mixture, scale);
+        let slowed = Some(components(velocity));
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, scale, slowed);
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
@@ -131,11 +133,13 @@ impl Flow {
         let terms = self.terms(part, rates.force_at(), false);
         let number = self.diffusion_number(part.dt_s);
         let scale = part.scale_at(rates.force_at());
+        let is_uniform = self.thick_per_s().is_none();
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
-        let force = accelerating(on, layout, &self.force, &mut self.mixture, scale);
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, scale, None);
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
-        let (dt_s, viscous) = (part.dt_s as f32, number as f32);
+        let (dt_s, theta) = (part.dt_s as f32, implicit_share(number));
+        let viscous = if is_uniform { number as f32 } else { 0.0 };
         let advance = Semi { rates, pressure: &self.pressure.next, dt_s, viscous };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
@@ -155,9 +159,12 @@ impl Flow {
                 correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
+        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick()) {
+            thick.prepare(on, velocity, dt_s, out);
+            return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
+        }
         ghosts.fill(out, Fill::Difference);
-        let s = (implicit_share(number) * number) as f32;
-        self.viscous.solve(on, ghosts, s, out, velocity)
+        self.viscous.solve(on, ghosts, (theta * number) as f32, out, velocity)
     }
 
     /// Adds what viscosity alone does in `dt_s`. Returns the iterations.
@@ -166,11 +173,16 @@ impl Flow {
         if number == 0.0 {
             return 0;
         }
+        let theta = implicit_share(number);
         let Self { faces, ghosts, velocity, stage: [rhs, _], viscous, pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
+        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick()) {
+            rhs.iter_mut().for_each(|rhs| rhs.fill(0.0));
+            thick.prepare(on, velocity, dt_s as f32, rhs);
+            return thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity);
+        }
         viscous.set_rhs(on, velocity, rhs, number as f32);
-        let s = (implicit_share(number) * number) as f32;
-        viscous.solve(on, ghosts, s, rhs, velocity)
+        viscous.solve(on, ghosts, (theta * number) as f32, rhs, velocity)
     }
 
     /// One part in three stages, explicit throughout.
@@ -185,7 +197,8 @@ impl Flow {
                 1 => (&*first, &mut *second),
                 _ => (&*second, &mut *first),
             };
-            let force = accelerating(on, layout, &self.force, &mut self.mixture, part.scale_at(at));
+            let (scale, slowed) = (part.scale_at(at), Some(components(from)));
+            let force = accelerating(on, layout, &self.force, &mut self.mixture, scale, slowed);
             let (layout, velocity) = (*layout, components(velocity));
             let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
             let advance = RungeKutta {
