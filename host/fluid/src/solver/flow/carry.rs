@@ -12,7 +12,7 @@ use crate::solver::{
         engine::Engine,
         field::{BLOCK, Vector, components, cut},
         ghosts::Fill,
-        medium::accelerating,
+        medium::{Pull, accelerating},
         pressure::Projected,
         step::check_step,
         survey::Survey,
@@ -186,8 +186,8 @@ impl Flow {
         let Self { layout, faces, pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         let push_s = if self.mixture.is_some() { dt_s } else { dt_s * force_scale } as f32;
-        let force = accelerating(on, layout, &self.force, &mut self.mixture, force_scale, None);
-        let Some(force) = force else { return };
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, Pull::of(force_scale));
+        let Some(force) = force.force else { return };
         for (u, f) in self.velocity.iter_mut().zip(force) {
             let pairs = u.iter_mut().zip(f);
             pairs.for_each(|(u, f)| *u = (*u + push_s * f).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S));

@@ -13,6 +13,7 @@ use crate::solver::{
     Refused,
     flow::{
         Flow, Force,
+        density::Density,
         engine::Engine,
         faces::cells,
         field::{Field, Layout, Run, Vector, components, cut, cut_mut},
@@ -20,6 +21,12 @@ use crate::solver::{
     },
     within,
 };
+
+/// Difference of density from the setup's, as a part of it, that acts through gravity alone.
+const BOUSSINESQ: f64 = 0.1;
+
+/// What is lighter than this part of the densest counts as that.
+const LEAST_SHARE: f32 = 1e-3;
 
 /// What a liquid is like at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +67,35 @@ pub(super) struct Mixture {
     /// The friction of viscosities that differ; as it was when they last did.
     thick: Option<Thick>,
     is_thick_somewhere: bool,
+    /// What densities weigh that differ too much for gravity alone, and no pressure.
+    weight: Option<(Density, Field)>,
+    is_weighty: bool,
+}
+
+/// What pulls at a mixture besides gravity.
+#[derive(Clone, Copy)]
+pub(super) struct Pull<'a> {
+    /// Scale of the force.
+    pub(super) scale: f64,
+    /// The velocity whose friction is part of it, where that differs from place to place.
+    pub(super) slowed: Option<[&'a [f32]; 3]>,
+    /// The pressure whose gradient is part of it, where densities weigh.
+    pub(super) pressure: Option<&'a Field>,
+}
+
+impl Pull<'_> {
+    /// The force alone.
+    pub(super) fn of(scale: f64) -> Self {
+        Self { scale, slowed: None, pressure: None }
+    }
+}
+
+/// What a stage takes.
+pub(super) struct Accelerating<'a> {
+    /// Acceleration to add.
+    pub(super) force: Option<[&'a [f32]; 3]>,
+    /// What stands for the pressure, if that is in the acceleration: zeros.
+    pub(super) pressure: Option<&'a Field>,
 }
 
 /// Least and most over the liquid.
@@ -80,7 +116,14 @@ impl Mixture {
             total_m_s2: vector(),
             thick: None,
             is_thick_somewhere: false,
+            weight: None,
+            is_weighty: false,
         }
+    }
+
+    /// What densities weigh, if they differ too much for gravity alone.
+    pub(super) fn weight(&self) -> Option<&Density> {
+        self.weight.as_ref().filter(|_| self.is_weighty).map(|(density, _)| density)
     }
 
     /// The friction, if the viscosity differs from place to place.
@@ -114,31 +157,32 @@ impl Mixture {
                 lightest[face[c]] = lightest[face[c]].min(mean(at));
             }
             for (face, at) in faces() {
-                out[at] = gravity * (mean(at) - lightest[face[c]]);
+                let weighs = if self.is_weighty { mean(at) } else { 1.0 };
+                out[at] = gravity * (mean(at) - lightest[face[c]]) / weighs;
                 self.largest_m_s2 = self.largest_m_s2.max(f64::from(out[at].abs()));
             }
         }
     }
 
-    /// What accelerates the liquid while the force has this scale, besides its own flow; with the
-    /// friction of a velocity, if that is to be in it and differs from place to place.
+    /// Sums up what accelerates the liquid besides its own flow, if that is more than gravity.
     pub(super) fn drive(
         &mut self,
         on: Engine<'_>,
         layout: &Layout,
         force: Option<&Force>,
-        scale: f64,
-        slowed: Option<[&[f32]; 3]>,
-    ) -> [&[f32]; 3] {
-        let slowed = slowed.filter(|_| self.is_thick_somewhere);
-        if force.is_none() && slowed.is_none() {
-            return components(&self.buoyancy_m_s2);
+        Pull { scale, slowed, pressure }: Pull<'_>,
+    ) {
+        let (slowed, is_weighty) = (slowed.filter(|_| self.is_thick_somewhere), self.is_weighty);
+        if force.is_none() && !is_weighty && !self.is_thick_somewhere {
+            return;
         }
         self.sum_up(on, layout, force, scale);
+        if let (Some(pressure), Some((density, _)), true) = (pressure, &self.weight, is_weighty) {
+            density.press(on, layout, pressure, 1.0, &mut self.total_m_s2);
+        }
         if let (Some(velocity), Some(thick)) = (slowed, &mut self.thick) {
             thick.slow(on, velocity, &mut self.total_m_s2);
         }
-        components(&self.total_m_s2)
     }
 
     fn sum_up(&mut self, on: Engine<'_>, layout: &Layout, force: Option<&Force>, scale: f64) {
@@ -175,19 +219,26 @@ impl Mixture {
     }
 }
 
-/// What accelerates a stage in which the force has this scale: the scale is in it where there
-/// is a mixture, and to be multiplied by elsewhere; so is the friction of a velocity to slow.
+/// What accelerates a stage: of a mixture all there is, else the force without its scale.
 pub(super) fn accelerating<'a>(
     on: Engine<'_>,
     layout: &Layout,
     force: &'a Option<Force>,
     mixture: &'a mut Option<Box<Mixture>>,
-    scale: f64,
-    slowed: Option<[&[f32]; 3]>,
-) -> Option<[&'a [f32]; 3]> {
+    pull: Pull<'_>,
+) -> Accelerating<'a> {
     match mixture {
-        Some(mixture) => Some(mixture.drive(on, layout, force.as_ref(), scale, slowed)),
-        None => force.as_ref().map(|force| components(&force.acceleration_m_s2)),
+        Some(mixture) => {
+            mixture.drive(on, layout, force.as_ref(), pull);
+            let is_summed = force.is_some() || mixture.is_weighty || mixture.is_thick_somewhere;
+            let pressure = mixture.weight.as_ref().filter(|_| mixture.is_weighty);
+            let total = if is_summed { &mixture.total_m_s2 } else { &mixture.buoyancy_m_s2 };
+            Accelerating { force: Some(components(total)), pressure: pressure.map(|(_, none)| none) }
+        }
+        None => {
+            let force = force.as_ref().map(|force| components(&force.acceleration_m_s2));
+            Accelerating { force, pressure: None }
+        }
     }
 }
 
@@ -207,7 +258,7 @@ impl Flow {
         let Self { layout, faces, pool, simd, force, mixture, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         if let (Some(mixture), Some(force)) = (mixture, force) {
-            mixture.drive(on, layout, Some(force), scale, None);
+            mixture.drive(on, layout, Some(force), Pull::of(scale));
         }
     }
 
@@ -243,20 +294,31 @@ impl Flow {
         self.density_kg_m3 = f64::from(reference);
         self.viscosity_m2_s = f64::from(viscosity.most);
         self.survey = None;
+        mixture.is_weighty = f64::from(density.most) > (1.0 + BOUSSINESQ) * self.pure.density_kg_m3
+            || f64::from(density.least) < (1.0 - BOUSSINESQ) * self.pure.density_kg_m3;
         if density.least == density.most && viscosity.least == viscosity.most {
             self.mixture = None;
             return;
         }
         let Self { layout, faces, ghosts, gravity_m_s2, pool, simd, .. } = self;
-        mixture.density.iter_mut().for_each(|density| *density /= reference);
+        let lightest = density.most * LEAST_SHARE;
+        mixture.density.iter_mut().for_each(|density| *density = density.max(lightest) / reference);
         ghosts.extend_cells(&mut mixture.density);
         mixture.set_buoyancy(layout, &faces.open, *gravity_m_s2);
-        mixture.is_thick_somewhere = viscosity.least < viscosity.most;
+        let on = Engine { pool, simd: *simd, faces };
+        if mixture.is_weighty {
+            self.projection.make_room();
+            let room = || (Density::new(layout, faces), layout.zeros());
+            let (weight, _) = mixture.weight.get_or_insert_with(room);
+            weight.set(on, layout, ghosts, &mixture.density);
+        }
+        let is_weighty_and_thick = mixture.is_weighty && viscosity.most > 0.0;
+        mixture.is_thick_somewhere = viscosity.least < viscosity.most || is_weighty_and_thick;
         if mixture.is_thick_somewhere {
             let thick = mixture.thick.get_or_insert_with(|| Thick::new(layout, faces));
             let per_area = self.grid.spacing_m.powi(2).recip();
-            let on = Engine { pool, simd: *simd, faces };
-            thick.stress.set(on, ghosts, &mixture.viscosity_m2_s, None, per_area);
+            let density = mixture.is_weighty.then_some(&mixture.density);
+            thick.stress.set(on, ghosts, &mixture.viscosity_m2_s, density, per_area);
         }
         self.mixture = Some(mixture);
     }

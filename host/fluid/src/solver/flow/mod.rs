@@ -5,6 +5,7 @@
 //! accurate where that is cheap and stable always.
 
 pub(super) mod carry;
+mod density;
 pub(crate) mod engine;
 mod exchange;
 pub(crate) mod faces;
@@ -38,7 +39,7 @@ use self::{
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
     medium::{Mixture, working},
-    pressure::{Prediction, Projection},
+    pressure::{Prediction, Projection, masses},
     stages::History,
     survey::Survey,
     trace::Tracer,
@@ -209,7 +210,8 @@ impl Flow {
         self.faces.liquid_cells
     }
 
-    /// Mass of the liquid in one cell.
+    /// Mass of the liquid in one cell; where densities differ, of liquid that the flow counts by:
+    /// that of the setup, or the nearest to it that there is.
     #[must_use]
     pub fn cell_mass_kg(&self) -> f64 {
         self.density_kg_m3 * f64::from(self.grid.cell_volume_m3())
@@ -249,7 +251,8 @@ impl Flow {
             return Ok(DVec3::ZERO);
         }
         let radius = radius_m / self.grid.spacing_m;
-        let kernel = Kernel::new(&self.layout, &self.faces, centre, radius);
+        let mass = masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()));
+        let kernel = Kernel::new(&self.layout, &self.faces, mass, centre, radius);
         let velocity = self.velocity.each_mut().map(|u| &mut **u);
         let change = kernel.push(velocity, impulse_n_s / mass_kg, MAX_SPEED_M_S);
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
@@ -279,10 +282,11 @@ impl Flow {
         let [nx, _, nz] = self.layout.cells;
         let rows =
             |k| self.layout.rows_in_plane().map(move |row| (k + 1) * self.layout.plane + row);
+        let masses = self.masses();
         let total = |c: usize| {
             let faces = (0..nz).flat_map(rows).flat_map(|row| row..row + nx);
-            faces
-                .fold(0.0, |sum, at| sum + self.faces.mass(c, at) * f64::from(self.velocity[c][at]))
+            let mass = |at: usize| masses.map_or(1.0, |mass| f64::from(mass[c][at]));
+            faces.fold(0.0, |sum, at| sum + mass(at) * f64::from(self.velocity[c][at]))
         };
         DVec3::from_array([0, 1, 2].map(total)) * self.cell_mass_kg()
     }
@@ -311,7 +315,13 @@ impl Flow {
 
     fn kernel(&self, centre_in_world_m: Vec3, radius_m: f32) -> Kernel<'_> {
         let radius = radius_m / self.grid.spacing_m;
-        Kernel::new(&self.layout, &self.faces, self.in_cells(centre_in_world_m), radius)
+        let centre = self.in_cells(centre_in_world_m);
+        Kernel::new(&self.layout, &self.faces, self.masses(), centre, radius)
+    }
+
+    /// The mass of faces, per density and cell volume; `None` where all are whole and alike.
+    fn masses(&self) -> Option<&Vector> {
+        masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()))
     }
 
     /// Where the flow is computed, for what is carried with it.
@@ -322,7 +332,8 @@ impl Flow {
     fn surveyed(&self) -> Survey {
         self.survey.unwrap_or_else(|| {
             let force = working(self.force.as_ref(), self.mixture.as_deref());
-            Survey::new(self.engine(), &self.layout, components(&self.velocity), force)
+            let velocity = components(&self.velocity);
+            Survey::new(self.engine(), &self.layout, velocity, force, self.masses())
         })
     }
 

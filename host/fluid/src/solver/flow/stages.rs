@@ -7,7 +7,7 @@ use crate::solver::flow::{
     engine::Engine,
     field::{Vector, components},
     ghosts::Fill,
-    medium::accelerating,
+    medium::{Accelerating, Pull, accelerating},
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
     pressure::Prediction,
     step::Part,
@@ -100,8 +100,8 @@ impl Flow {
         let scale = part.scale_at(advance.force_at());
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
-        let slowed = Some(components(velocity));
-        let force = accelerating(on, layout, &self.force, &mut self.mixture, scale, slowed);
+        let pull = Pull { slowed: Some(components(velocity)), ..Pull::of(scale) };
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, pull).force;
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
@@ -136,11 +136,13 @@ impl Flow {
         let is_uniform = self.thick_per_s().is_none();
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
-        let force = accelerating(on, layout, &self.force, &mut self.mixture, scale, None);
+        let Accelerating { force, pressure } =
+            accelerating(on, layout, &self.force, &mut self.mixture, Pull::of(scale));
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let (dt_s, theta) = (part.dt_s as f32, implicit_share(number));
         let viscous = if is_uniform { number as f32 } else { 0.0 };
-        let advance = Semi { rates, pressure: &self.pressure.next, dt_s, viscous };
+        let pressure = pressure.unwrap_or(&self.pressure.next);
+        let advance = Semi { rates, pressure, dt_s, viscous };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
@@ -159,6 +161,9 @@ impl Flow {
                 correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
+        if let Some(weight) = self.mixture.as_ref().and_then(|mixture| mixture.weight()) {
+            weight.press(on, layout, &self.pressure.next, dt_s, out);
+        }
         if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick()) {
             thick.prepare(on, velocity, dt_s, out);
             return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
@@ -197,13 +202,15 @@ impl Flow {
                 1 => (&*first, &mut *second),
                 _ => (&*second, &mut *first),
             };
-            let (scale, slowed) = (part.scale_at(at), Some(components(from)));
-            let force = accelerating(on, layout, &self.force, &mut self.mixture, scale, slowed);
+            let (slowed, predicted) = (Some(components(from)), Some(&pressure.next));
+            let pull = Pull { slowed, pressure: predicted, ..Pull::of(part.scale_at(at)) };
+            let accelerating = accelerating(on, layout, &self.force, &mut self.mixture, pull);
+            let force = accelerating.force;
             let (layout, velocity) = (*layout, components(velocity));
             let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
             let advance = RungeKutta {
                 start: velocity,
-                pressure: &pressure.next,
+                pressure: accelerating.pressure.unwrap_or(&pressure.next),
                 start_share,
                 own_share,
                 dt_s: part.dt_s as f32,

@@ -135,7 +135,8 @@ impl Flow {
         let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
         let force = working(self.force.as_ref(), self.mixture.as_deref());
         let on = Engine { pool, simd: *simd, faces };
-        projection.project(on, ghosts, velocity, force)
+        let density = self.mixture.as_ref().and_then(|mixture| mixture.weight());
+        projection.project(on, ghosts, velocity, force, density)
     }
 
     /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
