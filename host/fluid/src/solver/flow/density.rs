@@ -55,7 +55,10 @@ impl Density {
             ghosts.wrap_cells(lightness);
             if let (Some(through), Some(area)) = (&mut self.through, area) {
                 let pairs = self.lightness[c].iter().zip(area);
-                through[c].iter_mut().zip(pairs).for_each(|(out, (light, area))| *out = light * area);
+                through[c]
+                    .iter_mut()
+                    .zip(pairs)
+                    .for_each(|(out, (light, area))| *out = light * area);
             }
         }
         let Self { lightness, through, through_cell, root, .. } = self;

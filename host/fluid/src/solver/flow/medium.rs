@@ -9,17 +9,20 @@
 
 use glam::DVec3;
 
-use crate::solver::{
-    Refused,
-    flow::{
-        Flow, Force,
-        density::Density,
-        engine::Engine,
-        faces::cells,
-        field::{Field, Layout, Run, Vector, components, cut, cut_mut},
-        thick::Thick,
+use crate::{
+    solver::{
+        Refused,
+        flow::{
+            Flow, Force,
+            density::Density,
+            engine::Engine,
+            faces::cells,
+            field::{Field, Layout, Run, Vector, components, cut, cut_mut},
+            thick::Thick,
+        },
+        within,
     },
-    within,
+    substance::{Properties, Substances},
 };
 
 /// Difference of density from the setup's, as a part of it, that acts through gravity alone.
@@ -27,6 +30,12 @@ const BOUSSINESQ: f64 = 0.1;
 
 /// What is lighter than this part of the densest counts as that.
 const LEAST_SHARE: f32 = 1e-3;
+
+/// Viscosities that differ by less than this part of the greatest are alike ...
+const ALIKE: f32 = 2e-3;
+
+/// ... and below this they are none.
+const LEAST_VISCOSITY_M2_S: f32 = 1e-30;
 
 /// What a liquid is like at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -233,7 +242,10 @@ pub(super) fn accelerating<'a>(
             let is_summed = force.is_some() || mixture.is_weighty || mixture.is_thick_somewhere;
             let pressure = mixture.weight.as_ref().filter(|_| mixture.is_weighty);
             let total = if is_summed { &mixture.total_m_s2 } else { &mixture.buoyancy_m_s2 };
-            Accelerating { force: Some(components(total)), pressure: pressure.map(|(_, none)| none) }
+            Accelerating {
+                force: Some(components(total)),
+                pressure: pressure.map(|(_, none)| none),
+            }
         }
         None => {
             let force = force.as_ref().map(|force| components(&force.acceleration_m_s2));
@@ -264,8 +276,9 @@ impl Flow {
 
     /// Says what the liquid is made of, from the next step on: `medium` is sampled at the centres of
     /// the cells. Where densities differ by at most a tenth from [`crate::solver::Setup`]'s they
-    /// act through its gravity alone (Boussinesq 1903). A medium that is the same everywhere
-    /// costs nothing.
+    /// act through its gravity alone (Boussinesq 1903); beyond, they weigh in the pressure, too, and
+    /// what is lighter than a thousandth of the densest counts as that. Viscosities that differ
+    /// are solved for as stresses. A medium that is the same everywhere costs nothing.
     ///
     /// # Errors
     /// [`Refused`] if a density is not above 0, a viscosity negative, or either not finite or above
@@ -279,10 +292,47 @@ impl Flow {
             density[at] = found.density_kg_m3 as f32;
             viscosity_m2_s[at] = found.viscosity_m2_s as f32;
         }
-        let mixture = self.mixture.take();
-        let mixture = mixture.unwrap_or_else(|| Box::new(Mixture::new(&self.layout)));
+        let mixture = self.take_mixture();
         self.settle_medium(Box::new(Mixture { density, viscosity_m2_s, ..*mixture }));
         Ok(())
+    }
+
+    /// Says that the liquid is made of what is dissolved in it: call it before each step that
+    /// follows one of the substances. Densities mix by volume, dynamic viscosities as
+    /// [`crate::substance::mixture`] says. As long as all substances are like the liquid, or on another
+    /// grid, nothing is changed or computed.
+    ///
+    /// Where a difference of densities is carried along, so is the energy of what moves: what an
+    /// exchange of heavy for light liquid adds to it counts as made from nothing, until the next
+    /// step has taken as much.
+    pub fn set_mixture(&mut self, substances: &Substances) {
+        let is_one = self.mixture.is_none() && !substances.differ_from(&self.liquid());
+        if is_one || !substances.are_on(&self.layout) {
+            return;
+        }
+        let cell_mass_kg = self.cell_mass_kg();
+        let before_j = self.surveyed().energy_m2_s2 * cell_mass_kg;
+        let mut mixture = self.take_mixture();
+        substances.mixture_density_kg_m3(&self.liquid(), &mut mixture.density);
+        substances.mixture_viscosity_m2_s(&self.liquid(), &mut mixture.viscosity_m2_s);
+        self.settle_medium(mixture);
+        self.set_drive();
+        let after = self.surveyed();
+        self.survey = Some(after);
+        let gained_j = after.energy_m2_s2 * self.cell_mass_kg() - before_j;
+        self.excess_m2_s2 = (self.excess_m2_s2 * cell_mass_kg + gained_j) / self.cell_mass_kg();
+    }
+
+    fn liquid(&self) -> Properties {
+        Properties {
+            density_kg_m3: self.pure.density_kg_m3 as f32,
+            viscosity_m2_s: self.pure.viscosity_m2_s as f32,
+            diffusivity_m2_s: 0.0,
+        }
+    }
+
+    fn take_mixture(&mut self) -> Box<Mixture> {
+        self.mixture.take().unwrap_or_else(|| Box::new(Mixture::new(&self.layout)))
     }
 
     /// Takes a mixture whose densities are in kg/m^3, and keeps what differs in it.
@@ -292,11 +342,14 @@ impl Flow {
         let pure = self.pure.density_kg_m3 as f32;
         let reference = pure.clamp(density.least, density.most);
         self.density_kg_m3 = f64::from(reference);
-        self.viscosity_m2_s = f64::from(viscosity.most);
+        let has_viscosity = viscosity.most > LEAST_VISCOSITY_M2_S;
+        self.viscosity_m2_s = if has_viscosity { f64::from(viscosity.most) } else { 0.0 };
         self.survey = None;
         mixture.is_weighty = f64::from(density.most) > (1.0 + BOUSSINESQ) * self.pure.density_kg_m3
             || f64::from(density.least) < (1.0 - BOUSSINESQ) * self.pure.density_kg_m3;
-        if density.least == density.most && viscosity.least == viscosity.most {
+        let is_thick_somewhere = viscosity.most - viscosity.least > ALIKE * viscosity.most
+            && viscosity.most > LEAST_VISCOSITY_M2_S;
+        if density.least == density.most && !is_thick_somewhere {
             self.mixture = None;
             return;
         }
@@ -312,8 +365,8 @@ impl Flow {
             let (weight, _) = mixture.weight.get_or_insert_with(room);
             weight.set(on, layout, ghosts, &mixture.density);
         }
-        let is_weighty_and_thick = mixture.is_weighty && viscosity.most > 0.0;
-        mixture.is_thick_somewhere = viscosity.least < viscosity.most || is_weighty_and_thick;
+        let is_weighty_and_thick = mixture.is_weighty && viscosity.most > LEAST_VISCOSITY_M2_S;
+        mixture.is_thick_somewhere = is_thick_somewhere || is_weighty_and_thick;
         if mixture.is_thick_somewhere {
             let thick = mixture.thick.get_or_insert_with(|| Thick::new(layout, faces));
             let per_area = self.grid.spacing_m.powi(2).recip();

@@ -158,7 +158,8 @@ impl Projection {
             match density {
                 None => top.iter_mut().zip(last).for_each(|(w, psi)| *w += psi),
                 Some(density) => {
-                    let lightness = cut(&density.lightness[2], (nz + 1) * layout.plane, layout.plane);
+                    let lightness =
+                        cut(&density.lightness[2], (nz + 1) * layout.plane, layout.plane);
                     let pairs = last.iter().zip(lightness);
                     top.iter_mut().zip(pairs).for_each(|(w, (psi, light))| *w += light * psi);
                 }
