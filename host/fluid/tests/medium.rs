@@ -259,7 +259,7 @@ fn with_substance(grid: Grid, ratio: f32) -> (Flow, Substances) {
 fn heavy_over_light_starts_to_overturn_at_the_rate_of_linear_theory() {
     // Layers of half a metre between rigid ends (Taylor 1950): from rest, the interface
     // a cos(k x) is accelerated by sigma^2 a cos(k x).
-    for (ratio, allowed) in [(1.1, 0.05), (3.0, 0.05), (30.0, 0.05)] {
+    for ratio in [1.1, 3.0, 30.0] {
         let n = 32;
         let grid = Grid { cells: [n, n, 1], ..Grid::unit_cube(n) };
         let (mut flow, mut substances) = with_substance(grid, ratio);
@@ -284,18 +284,18 @@ fn heavy_over_light_starts_to_overturn_at_the_rate_of_linear_theory() {
         });
         let expected = rate_per_s2 * f64::from(amplitude_m) * 4.0 * dt_s;
         let error = measured / norm / expected - 1.0;
-        println!("{ratio}: {error}");
-        assert!(error.abs() < allowed, "{ratio}: {error}");
+        // The velocity has a kink at the interface, of which a cell sees the mean.
+        assert!((-0.07..0.01).contains(&error), "{ratio}: {error}");
     }
 }
 
 #[test]
 fn a_heavy_blob_falls_and_never_gains_more_than_it_falls_by() {
     for ratio in [1.08, 2.0, 10.0, 1000.0] {
-        let n = 16;
+        let n = 12;
         let grid = Grid { cells: [n, 2 * n, n], ..Grid::unit_cube(n) };
         let (mut flow, mut substances) = with_substance(grid, ratio);
-        let blob = |p: Vec3| ((0.25 - (p - Vec3::new(0.5, 1.4, 0.5)).length()) * n as f32 + 0.5);
+        let blob = |p: Vec3| (0.25 - (p - Vec3::new(0.5, 1.4, 0.5)).length()) * n as f32 + 0.5;
         substances.set_fraction(0, |p| blob(p).clamp(0.0, 1.0)).expect("a fraction");
         // Work of gravity: the difference of weight times what its middle has come down by.
         let potential_j = |substances: &Substances| {
@@ -309,7 +309,7 @@ fn a_heavy_blob_falls_and_never_gains_more_than_it_falls_by() {
         let start_j = potential_j(&substances);
         let (mut guard_actions, mut worst, mut lowest) = (0, 0f64, f64::MAX);
         let dt_s = 4e-3;
-        for _ in 0..150 {
+        for _ in 0..130 {
             flow.set_mixture(&substances);
             guard_actions += flow.step(dt_s).expect("in range").guard_actions;
             substances.step(&flow, dt_s).expect("in range");
@@ -317,7 +317,6 @@ fn a_heavy_blob_falls_and_never_gains_more_than_it_falls_by() {
             worst = worst.max(flow.kinetic_energy_j() / fallen_j.max(1e-3 * start_j));
             lowest = lowest.min(potential_j(&substances) / start_j);
         }
-        println!("{ratio}: {guard_actions} {worst} {lowest}");
         assert!(flow.kinetic_energy_j().is_finite() && lowest < 0.99);
         assert!(worst < 1.1, "{ratio}: {worst}");
         assert!(ratio > 100.0 || guard_actions == 0, "{ratio}: {guard_actions}");

@@ -10,13 +10,26 @@
 use super::{Properties, Substance, Substances};
 use crate::solver::flow::field::{Layout, cut};
 
+impl Properties {
+    fn differ_from(&self, liquid: &Self) -> bool {
+        self.density_kg_m3 != liquid.density_kg_m3 || self.viscosity_m2_s != liquid.viscosity_m2_s
+    }
+}
+
 impl Substances {
     /// True if some substance that is there is denser, lighter, thicker or thinner than `liquid`.
     pub(crate) fn differ_from(&self, liquid: &Properties) -> bool {
-        let differs = |p: &Properties| {
-            p.density_kg_m3 != liquid.density_kg_m3 || p.viscosity_m2_s != liquid.viscosity_m2_s
-        };
-        self.all.iter().any(|s| s.highest > 0.0 && differs(&s.properties))
+        self.all.iter().any(|s| s.highest > 0.0 && s.properties.differ_from(liquid))
+    }
+
+    /// The same of all that may be poured.
+    pub(crate) fn may_differ_from(&self, liquid: &Properties) -> bool {
+        self.all.iter().any(|s| s.properties.differ_from(liquid))
+    }
+
+    /// The densities of all that may be poured.
+    pub(crate) fn densities(&self) -> impl Iterator<Item = f32> {
+        self.all.iter().map(|s| s.properties.density_kg_m3)
     }
 
     /// True if they are on a grid of this layout.

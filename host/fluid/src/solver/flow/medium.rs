@@ -7,13 +7,13 @@
 //! rho_level being the least density at the same height: what depends on the height alone is the
 //! gradient of a pressure, and liquid in level layers stays at rest to the last bit.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::{
     solver::{
         Refused,
         flow::{
-            Flow, Force,
+            Flow, Force, MAX_ACCELERATION_M_S2,
             density::Density,
             engine::Engine,
             faces::cells,
@@ -69,7 +69,9 @@ pub(super) struct Mixture {
     pub(super) viscosity_m2_s: Field,
     /// What gravity does at open faces.
     buoyancy_m_s2: Vector,
-    /// Largest of it.
+    /// Least density at each level along one axis.
+    lightest: Vec<f32>,
+    /// Largest of what gravity does.
     pub(super) largest_m_s2: f64,
     /// All that accelerates a stage.
     total_m_s2: Vector,
@@ -121,6 +123,7 @@ impl Mixture {
             density: layout.zeros(),
             viscosity_m2_s: layout.zeros(),
             buoyancy_m_s2: vector(),
+            lightest: vec![0.0; layout.cells.into_iter().max().unwrap_or(0)],
             largest_m_s2: 0.0,
             total_m_s2: vector(),
             thick: None,
@@ -157,7 +160,8 @@ impl Mixture {
             }
             let (stride, density, open) = (layout.strides()[c], &*self.density, &*open[c]);
             let mean = |at: usize| 0.5 * (density[at] + density[at - stride]);
-            let mut lightest = vec![f32::INFINITY; layout.cells[c]];
+            let lightest = &mut self.lightest[..layout.cells[c]];
+            lightest.fill(f32::INFINITY);
             let faces = || {
                 let all = cells(layout.cells).map(|(i, j, k)| ([i, j, k], layout.index(i, j, k)));
                 all.filter(|(_, at)| open[*at] > 0.0)
@@ -263,6 +267,14 @@ pub(super) fn working<'a>(
     mixture.map(|mixture| mixture.driven(force)).or_else(alone)
 }
 
+/// Accepts a gravity.
+pub(super) fn sound_gravity(gravity_m_s2: Vec3) -> Result<DVec3, Refused> {
+    for value in gravity_m_s2.to_array() {
+        within("gravity_m_s2", f64::from(value), MAX_ACCELERATION_M_S2)?;
+    }
+    Ok(gravity_m_s2.as_dvec3())
+}
+
 impl Flow {
     /// Prepares what works on a mixture in the whole step, for the books of its energy.
     pub(super) fn set_drive(&mut self) {
@@ -294,6 +306,19 @@ impl Flow {
         }
         let mixture = self.take_mixture();
         self.settle_medium(Box::new(Mixture { density, viscosity_m2_s, ..*mixture }));
+        Ok(())
+    }
+
+    /// Changes gravity from the next step on.
+    ///
+    /// # Errors
+    /// [`Refused`] if it is not finite or above 10^6 m/s^2; it is unchanged then.
+    pub fn set_gravity_m_s2(&mut self, gravity_m_s2: Vec3) -> Result<(), Refused> {
+        self.gravity_m_s2 = sound_gravity(gravity_m_s2)?;
+        if let Some(mixture) = &mut self.mixture {
+            mixture.set_buoyancy(&self.layout, &self.faces.open, self.gravity_m_s2);
+        }
+        self.survey = None;
         Ok(())
     }
 
@@ -331,8 +356,29 @@ impl Flow {
         }
     }
 
+    /// Makes room for all that these substances can make of the liquid, so that no step has to.
+    pub(crate) fn make_room_for(&mut self, substances: &Substances) {
+        let liquid = self.liquid();
+        if !substances.may_differ_from(&liquid) || self.mixture.is_some() {
+            return;
+        }
+        let mut mixture = self.take_mixture();
+        if substances.densities().any(|density| self.is_weighty(density)) {
+            self.projection.make_room();
+            mixture.weight = Some((Density::new(&self.layout, &self.faces), self.layout.zeros()));
+        }
+        mixture.thick = Some(Thick::new(&self.layout, &self.faces));
+        self.spare_mixture = Some(mixture);
+    }
+
+    fn is_weighty(&self, density_kg_m3: f32) -> bool {
+        // Rounded to f32, a tenth may be a little more.
+        (f64::from(density_kg_m3) / self.pure.density_kg_m3 - 1.0).abs() > BOUSSINESQ + 1e-6
+    }
+
     fn take_mixture(&mut self) -> Box<Mixture> {
-        self.mixture.take().unwrap_or_else(|| Box::new(Mixture::new(&self.layout)))
+        let old = self.mixture.take().or_else(|| self.spare_mixture.take());
+        old.unwrap_or_else(|| Box::new(Mixture::new(&self.layout)))
     }
 
     /// Takes a mixture whose densities are in kg/m^3, and keeps what differs in it.
@@ -345,12 +391,11 @@ impl Flow {
         let has_viscosity = viscosity.most > LEAST_VISCOSITY_M2_S;
         self.viscosity_m2_s = if has_viscosity { f64::from(viscosity.most) } else { 0.0 };
         self.survey = None;
-        mixture.is_weighty = f64::from(density.most) > (1.0 + BOUSSINESQ) * self.pure.density_kg_m3
-            || f64::from(density.least) < (1.0 - BOUSSINESQ) * self.pure.density_kg_m3;
+        mixture.is_weighty = self.is_weighty(density.most) || self.is_weighty(density.least);
         let is_thick_somewhere = viscosity.most - viscosity.least > ALIKE * viscosity.most
             && viscosity.most > LEAST_VISCOSITY_M2_S;
         if density.least == density.most && !is_thick_somewhere {
-            self.mixture = None;
+            self.spare_mixture = Some(mixture);
             return;
         }
         let Self { layout, faces, ghosts, gravity_m_s2, pool, simd, .. } = self;

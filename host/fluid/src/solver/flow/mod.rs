@@ -38,7 +38,7 @@ use self::{
     faces::{Faces, cells},
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
-    medium::{Mixture, working},
+    medium::{Mixture, sound_gravity, working},
     pressure::{Prediction, Projection, masses},
     stages::History,
     survey::Survey,
@@ -77,13 +77,6 @@ fn check_grid(grid: &Grid) -> Result<(), Refused> {
     Ok(())
 }
 
-fn gravity(setup: &Setup) -> Result<DVec3, Refused> {
-    for value in setup.gravity_m_s2.to_array() {
-        within("gravity_m_s2", f64::from(value), MAX_ACCELERATION_M_S2)?;
-    }
-    Ok(setup.gravity_m_s2.as_dvec3())
-}
-
 /// Incompressible flow in a vessel.
 pub struct Flow {
     grid: Grid,
@@ -101,6 +94,8 @@ pub struct Flow {
     pure: Medium,
     /// What is not the same everywhere; `None` if all is.
     mixture: Option<Box<Mixture>>,
+    /// Room for it, once it has been needed.
+    spare_mixture: Option<Box<Mixture>>,
     pool: Arc<Pool>,
     simd: SimdClass,
     velocity: Vector,
@@ -156,9 +151,10 @@ impl Flow {
             side_speed_m_s: setup.sides.largest_speed_m_s(),
             density_kg_m3,
             viscosity_m2_s,
-            gravity_m_s2: gravity(setup)?,
+            gravity_m_s2: sound_gravity(setup.gravity_m_s2)?,
             pure: Medium { density_kg_m3, viscosity_m2_s },
             mixture: None,
+            spare_mixture: None,
             pool: Arc::clone(&setup.pool),
             simd: setup.simd,
             velocity: vector(),
