@@ -64,6 +64,7 @@ impl Pot {
         let setup = scene.liquid.map(|liquid| Setup {
             density_kg_m3: liquid.density_kg_m3,
             viscosity_m2_s: liquid.viscosity_m2_s,
+            gravity_m_s2: Vec3::NEG_Y * liquid.gravity_m_s2,
             sides: Sides::of_vessel(liquid.walls),
             walls: liquid.walls,
             pool,
@@ -73,6 +74,10 @@ impl Pot {
         let mut flow = setup.as_ref().map(Flow::new).transpose()?;
         if let (Some(flow), Start::TaylorGreen(speed_m_s)) = (&mut flow, scene.start) {
             start_vortex(flow, &scene.grid, speed_m_s);
+        }
+        let substances = setup.as_ref().map(|setup| pourable(scene, setup));
+        if let (Some(flow), Some(substances)) = (&mut flow, &substances) {
+            flow.make_room_for(substances);
         }
         let drag = scene.liquid.map_or(Drag::default(), |liquid| {
             Drag::of_sphere(
@@ -86,7 +91,7 @@ impl Pot {
             vessel: scene.vessel.clone(),
             liquid_colour: scene.liquid.map(|liquid| liquid.colour),
             palette: scene.substances.clone(),
-            substances: setup.as_ref().map(|setup| pourable(scene, setup)),
+            substances,
             flow,
             surface: scene.surface.map(|s| SpringSheet::new(s, &scene.grid, &scene.vessel)),
             drag,
@@ -199,6 +204,9 @@ impl Pot {
         self.time_s += f64::from(dt_s);
         self.totals.steps_asleep += u64::from(self.flow.is_none());
         if let Some(flow) = &mut self.flow {
+            if let Some(substances) = &self.substances {
+                flow.set_mixture(substances);
+            }
             match flow.step(f64::from(dt_s)) {
                 Ok(report) => {
                     let totals = &mut self.totals;
@@ -247,11 +255,14 @@ impl Pot {
     }
 }
 
-/// The substances of a scene: as the liquid, each with its own diffusivity.
+/// The substances of a scene: as the liquid where it does not say otherwise.
 fn pourable(scene: &Scene, setup: &Setup) -> Substances {
-    let like_liquid = Properties::of_liquid(setup);
-    let properties =
-        |s: &Substance| Properties { diffusivity_m2_s: s.diffusivity_m2_s, ..like_liquid };
+    let liquid = Properties::of_liquid(setup);
+    let properties = |s: &Substance| Properties {
+        density_kg_m3: s.density_kg_m3.unwrap_or(liquid.density_kg_m3),
+        viscosity_m2_s: s.viscosity_m2_s.unwrap_or(liquid.viscosity_m2_s),
+        diffusivity_m2_s: s.diffusivity_m2_s,
+    };
     Substances::new(setup, &scene.substances.iter().map(properties).collect::<Vec<_>>())
 }
 

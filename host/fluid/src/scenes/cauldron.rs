@@ -4,7 +4,8 @@ use cauldron_protocol::{WorldFromDevice, message::Modes};
 use glam::Vec3;
 
 use super::{
-    Act, Feel, Liquid, Pour, Probe, Scene, SceneRow, Start, Story, Substance, Vessel, Walls,
+    Act, Feel, GRAVITY_M_S2, Liquid, Pour, Probe, Scene, SceneRow, Start, Story, Substance, Vessel,
+    Walls,
 };
 use crate::{grid::Grid, surface::SurfaceParams};
 
@@ -58,6 +59,7 @@ fn make() -> Scene {
 const POTION: Liquid = Liquid {
     density_kg_m3: 1000.0,
     viscosity_m2_s: 2e-4,
+    gravity_m_s2: GRAVITY_M_S2,
     walls: Walls::NoSlip,
     colour: Vec3::new(0.25, 0.42, 0.60),
 };
@@ -78,6 +80,8 @@ fn pigment(name: &str, colour: Vec3, pour_at_m: Vec3) -> Substance {
     Substance {
         name: name.into(),
         colour,
+        density_kg_m3: None,
+        viscosity_m2_s: None,
         diffusivity_m2_s: 6e-5,
         pour_at_m,
         pour_radius_m: 0.04,

@@ -124,9 +124,16 @@ impl Scene {
         if let Some(liquid) = &self.liquid {
             number("liquid.density_kg_m3", liquid.density_kg_m3, Bound::new(0.1, 2e4))?;
             number("liquid.viscosity_m2_s", liquid.viscosity_m2_s, Bound::new(0.0, 1e4))?;
+            number("liquid.gravity_m_s2", liquid.gravity_m_s2, Bound::new(0.0, 1e3))?;
             colour("liquid.colour", liquid.colour)?;
         }
         for substance in &self.substances {
+            if let Some(density) = substance.density_kg_m3 {
+                number("substance.density_kg_m3", density, Bound::new(0.1, 2e4))?;
+            }
+            if let Some(viscosity) = substance.viscosity_m2_s {
+                number("substance.viscosity_m2_s", viscosity, Bound::new(0.0, 1e4))?;
+            }
             colour("substance.colour", substance.colour)?;
             let diffusivity = substance.diffusivity_m2_s;
             number("substance.diffusivity_m2_s", diffusivity, Bound::new(0.0, 1.0))?;

@@ -52,6 +52,12 @@ impl From<f64> for Value<f32> {
     }
 }
 
+impl From<f64> for Value<Option<f32>> {
+    fn from(value: f64) -> Self {
+        Self(Some(value as f32))
+    }
+}
+
 impl From<[f64; 3]> for Value<Vec3> {
     fn from([x, y, z]: [f64; 3]) -> Self {
         Self(Vec3::new(x as f32, y as f32, z as f32))
@@ -99,6 +105,7 @@ struct GridKeys {
 struct LiquidKeys {
     density_kg_m3: Number,
     viscosity_m2_s: Number,
+    gravity_m_s2: Number,
     colour: Triple,
 }
 
@@ -135,6 +142,8 @@ struct FeelKeys {
 struct SubstanceKeys {
     name: Option<String>,
     colour: Triple,
+    density_kg_m3: Number,
+    viscosity_m2_s: Number,
     diffusivity_m2_s: Number,
     pour_at_m: Triple,
     pour_radius_m: Number,
@@ -221,6 +230,7 @@ fn apply_liquid(
     let keys = keys.get_ref();
     lines.set("liquid.density_kg_m3", &mut liquid.density_kg_m3, &keys.density_kg_m3);
     lines.set("liquid.viscosity_m2_s", &mut liquid.viscosity_m2_s, &keys.viscosity_m2_s);
+    lines.set("liquid.gravity_m_s2", &mut liquid.gravity_m_s2, &keys.gravity_m_s2);
     lines.set("liquid.colour", &mut liquid.colour, &keys.colour);
     Ok(())
 }
@@ -256,6 +266,8 @@ fn apply_substance(
     let keys = keys.get_ref();
     substance.name = keys.name.clone().unwrap_or(std::mem::take(&mut substance.name));
     lines.set("substance.colour", &mut substance.colour, &keys.colour);
+    lines.set("substance.density_kg_m3", &mut substance.density_kg_m3, &keys.density_kg_m3);
+    lines.set("substance.viscosity_m2_s", &mut substance.viscosity_m2_s, &keys.viscosity_m2_s);
     let diffusivity = &mut substance.diffusivity_m2_s;
     lines.set("substance.diffusivity_m2_s", diffusivity, &keys.diffusivity_m2_s);
     lines.set("substance.pour_at_m", &mut substance.pour_at_m, &keys.pour_at_m);

@@ -72,6 +72,9 @@ impl Scene {
     }
 }
 
+/// Standard gravity (CGPM 1901).
+pub const GRAVITY_M_S2: f32 = 9.806_65;
+
 /// A liquid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Liquid {
@@ -79,6 +82,8 @@ pub struct Liquid {
     pub density_kg_m3: f32,
     /// Kinematic viscosity.
     pub viscosity_m2_s: f32,
+    /// Gravity, downwards: it acts on what is denser or lighter.
+    pub gravity_m_s2: f32,
     /// What happens at the vessel's wall.
     pub walls: Walls,
     /// Linear RGB, 0 to 1.
@@ -92,6 +97,10 @@ pub struct Substance {
     pub name: String,
     /// Linear RGB, 0 to 1.
     pub colour: Vec3,
+    /// Density; `None` if it is the liquid's.
+    pub density_kg_m3: Option<f32>,
+    /// Kinematic viscosity; `None` if it is the liquid's.
+    pub viscosity_m2_s: Option<f32>,
     /// Molecular diffusivity.
     pub diffusivity_m2_s: f32,
     /// Where it is poured, in world metres.

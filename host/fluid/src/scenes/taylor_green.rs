@@ -3,7 +3,7 @@
 use cauldron_protocol::{WorldFromDevice, message::Modes};
 use glam::Vec3;
 
-use super::{Act, Feel, Liquid, Probe, Scene, SceneRow, Start, Story, Vessel, Walls};
+use super::{Act, Feel, GRAVITY_M_S2, Liquid, Probe, Scene, SceneRow, Start, Story, Vessel, Walls};
 use crate::grid::Grid;
 
 pub(super) const ROW: SceneRow = SceneRow {
@@ -21,6 +21,7 @@ fn make() -> Scene {
         liquid: Some(Liquid {
             density_kg_m3: 1000.0,
             viscosity_m2_s: 2e-4,
+            gravity_m_s2: GRAVITY_M_S2,
             walls: Walls::FreeSlip,
             colour: Vec3::new(0.25, 0.42, 0.60),
         }),

@@ -60,6 +60,8 @@ pub struct Setup {
     pub density_kg_m3: f32,
     /// Kinematic viscosity of the liquid, 0 or more.
     pub viscosity_m2_s: f32,
+    /// Acceleration of gravity: it acts where densities differ (see [`flow::Flow::set_medium`]).
+    pub gravity_m_s2: Vec3,
     /// What happens at the six sides of the grid's box.
     pub sides: Sides,
     /// What happens at the walls of a vessel that stands in the box.
@@ -71,7 +73,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Inviscid water between walls that it slides along, on the calling thread alone, at the
+    /// Inviscid water without gravity between walls that it slides along, on the calling thread alone, at the
     /// processor's vector width.
     #[must_use]
     pub fn new(grid: Grid, vessel: Vessel) -> Self {
@@ -80,6 +82,7 @@ impl Setup {
             vessel,
             density_kg_m3: 1000.0,
             viscosity_m2_s: 0.0,
+            gravity_m_s2: Vec3::ZERO,
             sides: Sides::all(Side::FreeSlip),
             walls: Walls::FreeSlip,
             pool: Arc::new(Pool::inline()),

@@ -8,13 +8,38 @@
 //!   mole fractions: the molar masses of what a scene calls honey are not known.
 
 use super::{Properties, Substance, Substances};
-use crate::solver::flow::field::cut;
+use crate::solver::flow::field::{Layout, cut};
+
+impl Properties {
+    fn differ_from(&self, liquid: &Self) -> bool {
+        self.density_kg_m3 != liquid.density_kg_m3 || self.viscosity_m2_s != liquid.viscosity_m2_s
+    }
+}
 
 impl Substances {
+    /// True if some substance that is there is denser, lighter, thicker or thinner than `liquid`.
+    pub(crate) fn differ_from(&self, liquid: &Properties) -> bool {
+        self.all.iter().any(|s| s.highest > 0.0 && s.properties.differ_from(liquid))
+    }
+
+    /// The same of all that may be poured.
+    pub(crate) fn may_differ_from(&self, liquid: &Properties) -> bool {
+        self.all.iter().any(|s| s.properties.differ_from(liquid))
+    }
+
+    /// The densities of all that may be poured.
+    pub(crate) fn densities(&self) -> impl Iterator<Item = f32> {
+        self.all.iter().map(|s| s.properties.density_kg_m3)
+    }
+
+    /// True if they are on a grid of this layout.
+    pub(crate) fn are_on(&self, layout: &Layout) -> bool {
+        self.layout == *layout
+    }
+
     /// Fills `out`, a padded cell array of the flow's layout, with the kinematic viscosity of the
     /// mixture in each cell; where there is no substance it is that of `liquid`. Substances
     /// without viscosity or density thin the mixture as the thinnest liquid that f32 can tell.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the variable-viscosity solve will read it"))]
     pub(crate) fn mixture_viscosity_m2_s(&self, liquid: &Properties, out: &mut [f32]) {
         let dynamic = |p: &Properties| (p.density_kg_m3 * p.viscosity_m2_s).max(f32::MIN_POSITIVE);
         let of_liquid = dynamic(liquid);
@@ -34,7 +59,6 @@ impl Substances {
 
     /// Fills `out`, a padded cell array of the flow's layout, with the density of the mixture in
     /// each cell; where there is no substance it is that of `liquid`.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the buoyant solve will read it"))]
     pub(crate) fn mixture_density_kg_m3(&self, liquid: &Properties, out: &mut [f32]) {
         self.fill(out, |p| p.density_kg_m3 - liquid.density_kg_m3);
         out.iter_mut().for_each(|out| *out += liquid.density_kg_m3);
@@ -98,10 +122,7 @@ pub fn exp(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        Grid, Vessel,
-        solver::{Setup, flow::field::Layout},
-    };
+    use crate::{Grid, Vessel, solver::Setup};
     use proptest::prelude::*;
 
     #[test]

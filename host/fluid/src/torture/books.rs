@@ -38,6 +38,8 @@ pub struct Books {
     excess_j: f64,
     /// Half the mass-weighted sum of the squared acceleration: what it gives from rest in 1 s.
     force_j_s2: f64,
+    /// The same of gravity, where densities differ.
+    gravity_j_s2: f64,
     fractions: Vec<f32>,
 }
 
@@ -52,7 +54,8 @@ impl Books {
             worst: BTreeMap::new(),
             failures: BTreeMap::new(),
             excess_j: 0.0,
-            force_j_s2: 0.5 * squares * world.flow.cell_mass_kg(),
+            force_j_s2: 0.5 * squares * world.heaviest_cell_kg(),
+            gravity_j_s2: world.gravity_j_s2(),
             fractions: vec![0.0; world.case.grid.len()],
         }
     }
@@ -81,14 +84,21 @@ impl Books {
     /// gave is at most what Cauchy and Schwarz allow for:
     /// sqrt(E) grows by dt sqrt(sum rho h^3 f^2 / 2). Gains of several steps add up, so that
     /// none is too small to be seen. Sides that drive give what they like.
-    pub fn energy(&mut self, world: &World<'_>, [before, after]: [f64; 2], push_s: f64, at: usize) {
+    pub fn energy(
+        &mut self,
+        world: &World<'_>,
+        [before, after]: [f64; 2],
+        [push_s, dt_s]: [f64; 2],
+        at: usize,
+    ) {
         if !after.is_finite() {
             self.check("not_finite", f64::NAN, 0.0, at);
         }
         if world.case.sides.drive() {
             return;
         }
-        let allowed = (before.sqrt() + push_s * self.force_j_s2.sqrt()).powi(2);
+        let given = push_s * self.force_j_s2.sqrt() + dt_s * self.gravity_j_s2.sqrt();
+        let allowed = (before.sqrt() + given).powi(2);
         self.excess_j = (self.excess_j + after - allowed).max(0.0);
         let share = if self.excess_j == 0.0 { 0.0 } else { self.excess_j / allowed };
         self.check("energy_excess", share, ENERGY_SLACK, at);
@@ -150,16 +160,16 @@ mod tests {
         let mut world =
             World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
         let mut books = Books::open(&world);
-        books.energy(&world, [1.0, 1.001], 0.0, 0);
-        books.energy(&world, [1.001, 1.001], 0.0, 1);
+        books.energy(&world, [1.0, 1.001], [0.0; 2], 0);
+        books.energy(&world, [1.001, 1.001], [0.0; 2], 1);
         assert!(books.failures.is_empty());
-        books.energy(&world, [1.001, 1.0025], 0.0, 2);
+        books.energy(&world, [1.001, 1.0025], [0.0; 2], 2);
         assert!(books.failures["energy_excess"].contains("in step 2"), "{:?}", books.failures);
         // What is poured beside the books was made from nothing.
         world.substances.set_fraction(0, |_| 0.5).expect("in range");
         books.mass(&world, 3);
         assert!(books.failures.contains_key("mass_error"));
-        books.energy(&world, [1.0, f64::NAN], 0.0, 4);
+        books.energy(&world, [1.0, f64::NAN], [0.0; 2], 4);
         assert!(books.failures.contains_key("not_finite"));
         books.check("speed_m_s", f64::NAN, SPEED_CAP_M_S, 5);
         assert!(books.failures.contains_key("speed_m_s") && books.worst["speed_m_s"].is_nan());
@@ -173,9 +183,9 @@ mod tests {
             World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
         let mut books = Books::open(&world);
         let from_rest_j = books.force_j_s2 * 0.01;
-        books.energy(&world, [0.0, from_rest_j], 0.1, 0);
+        books.energy(&world, [0.0, from_rest_j], [0.1, 0.0], 0);
         assert!(books.failures.is_empty() && from_rest_j > 0.0);
-        books.energy(&world, [0.0, 1.01 * from_rest_j], 0.1, 1);
+        books.energy(&world, [0.0, 1.01 * from_rest_j], [0.1, 0.0], 1);
         assert!(books.failures.contains_key("energy_excess"));
     }
 }

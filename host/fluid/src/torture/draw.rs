@@ -6,6 +6,7 @@ use oorandom::Rand64;
 use super::corners;
 use crate::{
     grid::Grid,
+    scenes::GRAVITY_M_S2,
     solver::{Side, Sides, Walls},
     substance::Properties,
     vessel::Vessel,
@@ -45,6 +46,8 @@ pub struct Case {
     pub density_kg_m3: f32,
     /// Kinematic viscosity of the liquid.
     pub viscosity_m2_s: f32,
+    /// Gravity, downwards.
+    pub gravity_m_s2: f32,
     /// Cells that the first flow crosses in a step, summed over the axes.
     pub cfl: f64,
     /// Length of a step.
@@ -145,6 +148,7 @@ impl Case {
             ("sides_periodic", sides(|s| *s == Side::Periodic) as f64),
             ("density_kg_m3", f64::from(self.density_kg_m3)),
             ("viscosity_m2_s", f64::from(self.viscosity_m2_s)),
+            ("gravity_m_s2", f64::from(self.gravity_m_s2)),
             ("cfl", self.cfl),
             ("dt_s", self.dt_s),
             ("steps", self.steps as f64),
@@ -182,6 +186,7 @@ fn draw(seed: u64, draws: &mut Rand64) -> Case {
         walls,
         density_kg_m3,
         viscosity_m2_s: if chance(draws, 0.25) { 0.0 } else { viscosity },
+        gravity_m_s2: GRAVITY_M_S2,
         cfl: 1.0,
         dt_s: 1.0,
         steps: STEPS,

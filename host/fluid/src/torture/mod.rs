@@ -116,7 +116,7 @@ fn mistreat(world: &mut World<'_>, books: &mut Books, step: usize) -> Result<(),
     let before_j = world.flow.kinetic_energy_j();
     let (report, carried) = world.step(world.case.dt_s)?;
     let energy_j = [before_j, world.flow.kinetic_energy_j()];
-    books.energy(world, energy_j, push_s, step);
+    books.energy(world, energy_j, [push_s, world.case.dt_s], step);
     books.mass(world, step);
     books.inspect(world, step);
     books.count("guard_actions", f64::from(report.guard_actions));
@@ -134,7 +134,7 @@ fn come_to_rest(world: &mut World<'_>, books: &mut Books, decay: Decay) -> Resul
     for step in world.case.steps..world.case.steps + steps {
         world.step(decay.dt_s)?;
         let after_j = world.flow.kinetic_energy_j();
-        books.energy(world, [before_j, after_j], 0.0, step);
+        books.energy(world, [before_j, after_j], [0.0; 2], step);
         books.mass(world, step);
         before_j = after_j;
     }

@@ -5,7 +5,10 @@ use glam::{DVec3, Vec3};
 use super::world::World;
 use crate::{
     grid::Grid,
-    solver::{Setup, SetupError, Side, Sides, Solver, flow::Flow},
+    solver::{
+        Setup, SetupError, Side, Sides, Solver,
+        flow::{Flow, Medium},
+    },
 };
 
 /// One input: the name that its refusal has to contain, and how a bad value is offered to it.
@@ -35,6 +38,12 @@ const INPUTS: &[Input] = &[
         name: "viscosity_m2_s",
         offer: |world, bad| said(world.flow.set_viscosity_m2_s(bad as f32)),
     },
+    Input {
+        name: "gravity_m_s2",
+        offer: |world, bad| said(world.flow.set_gravity_m_s2(Vec3::splat(bad as f32))),
+    },
+    Input { name: "density_kg_m3", offer: |world, bad| fill(world, bad, 1.0) },
+    Input { name: "viscosity_m2_s", offer: |world, bad| fill(world, 1.0, bad) },
     Input { name: "impulse_n_s", offer: |world, bad| push(world, middle(world), 0.0, bad) },
     Input { name: "radius_m", offer: |world, bad| push(world, middle(world), bad as f32, 1.0) },
     Input { name: "centre_in_world_m", offer: |world, bad| push(world, at(bad), 0.0, 1.0) },
@@ -90,6 +99,10 @@ fn said<E: std::fmt::Display>(result: Result<(), E>) -> Result<(), String> {
 
 fn make(setup: Setup) -> Result<(), String> {
     said::<SetupError>(Flow::new(&setup).map(drop))
+}
+
+fn fill(world: &mut World<'_>, density_kg_m3: f64, viscosity_m2_s: f64) -> Result<(), String> {
+    said(world.flow.set_medium(&|_| Medium { density_kg_m3, viscosity_m2_s }))
 }
 
 fn push(world: &mut World<'_>, centre: Vec3, radius_m: f32, impulse: f64) -> Result<(), String> {

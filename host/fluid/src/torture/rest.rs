@@ -8,7 +8,7 @@
 //! with the longest edge L along which there is any (Poincare's inequality; advection and
 //! pressure do no work). A periodic axis has no ends: the uniform stream along it decays only
 //! where a side of another axis holds it, as nu (pi / 2 D)^2 at least, and waves as nu (2 pi /
-//! L)^2 or as between walls.
+//! L)^2 or as between walls. Of mixtures nu is the least viscosity over the greatest density.
 
 use std::f64::consts::PI;
 
@@ -42,7 +42,7 @@ impl Decay {
     #[must_use]
     pub fn of(case: &Case) -> Option<Self> {
         let wave_per_m = slowest_wave_per_m(case).filter(|_| !case.sides.drive())?;
-        let rate_per_s = SHARE_OF_RATE * f64::from(case.viscosity_m2_s) * wave_per_m.powi(2);
+        let rate_per_s = SHARE_OF_RATE * least_viscosity_m2_s(case) * wave_per_m.powi(2);
         let dt_s = (1.0 / rate_per_s).min(LONGEST_STEP_S);
         // The implicit Euler step is what damps least of all that are stable.
         (rate_per_s > 0.0).then(|| Self { dt_s, kept: 1.0 / (1.0 + rate_per_s * dt_s) })
@@ -57,6 +57,21 @@ impl Decay {
         let needed = 1.0 + (REST_M_S / 3.0 / fastest_m_s).ln() / self.kept.ln();
         (needed.clamp(1.0, MOST_STEPS as f64).ceil() as usize, needed <= MOST_STEPS as f64)
     }
+}
+
+/// The least dynamic viscosity over the greatest density: what mixtures are at least.
+fn least_viscosity_m2_s(case: &Case) -> f64 {
+    if case.viscosity_m2_s == 0.0 {
+        return 0.0;
+    }
+    let liquid = (case.density_kg_m3, case.viscosity_m2_s);
+    let substances = case.substances.iter().map(|s| s.properties);
+    let all = substances.map(|p| (p.density_kg_m3, p.viscosity_m2_s)).chain([liquid]);
+    let (least_pa_s, most_kg_m3) = all.fold((f64::MAX, 0f64), |(least, most), (density, nu)| {
+        let density = f64::from(density);
+        (least.min(density * f64::from(nu)), most.max(density))
+    });
+    least_pa_s / most_kg_m3
 }
 
 /// The slowest wave number that every flow of the case decays with.
@@ -82,7 +97,8 @@ mod tests {
 
     fn case() -> Case {
         let sides = Sides::of_vessel(Walls::NoSlip);
-        let mut case = Case { sides, viscosity_m2_s: 0.01, ..Case::of_seed(8) };
+        let substances = Vec::new();
+        let mut case = Case { sides, viscosity_m2_s: 0.01, substances, ..Case::of_seed(8) };
         case.grid.spacing_m = 0.1;
         case.set_cells([10, 10, 20], false);
         case

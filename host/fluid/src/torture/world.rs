@@ -26,11 +26,7 @@ const FORCE_BLOCK: usize = 8;
 type Drawn = (&'static str, fn(&Case) -> bool);
 
 /// What is drawn and not taken yet.
-pub const NOT_TAKEN: &[Drawn] = &[
-    ("density of substances, by the flow", |case| !case.substances.is_empty()),
-    ("viscosity of substances, by the flow", |case| !case.substances.is_empty()),
-    ("obstacles", |case| case.obstacle.is_some()),
-];
+pub const NOT_TAKEN: &[Drawn] = &[("obstacles", |case| case.obstacle.is_some())];
 
 /// A case that runs.
 pub struct World<'a> {
@@ -54,6 +50,7 @@ impl<'a> World<'a> {
         let setup = Setup {
             density_kg_m3: case.density_kg_m3,
             viscosity_m2_s: case.viscosity_m2_s,
+            gravity_m_s2: Vec3::NEG_Y * case.gravity_m_s2,
             sides: case.sides,
             walls: case.walls,
             pool: Arc::clone(pool),
@@ -140,14 +137,34 @@ impl<'a> World<'a> {
         }
     }
 
+    /// Mass of a cell full of the densest that there may be.
+    pub fn heaviest_cell_kg(&self) -> f64 {
+        let densities = self.case.substances.iter().map(|s| s.properties.density_kg_m3);
+        let densest = f64::from(densities.fold(self.case.density_kg_m3, f32::max));
+        densest * f64::from(self.case.grid.cell_volume_m3())
+    }
+
+    /// Half of all mass there may be, times gravity squared: what it gives from rest in 1 s. 0 where
+    /// nothing is denser or lighter than the liquid.
+    pub fn gravity_j_s2(&self) -> f64 {
+        let liquid = self.case.density_kg_m3;
+        if self.case.substances.iter().all(|s| s.properties.density_kg_m3 == liquid) {
+            return 0.0;
+        }
+        let mass_kg = self.flow.liquid_cells() as f64 * self.heaviest_cell_kg();
+        0.5 * mass_kg * f64::from(self.case.gravity_m_s2).powi(2)
+    }
+
     /// Advances the liquid, and what is in it with it.
     pub fn step(&mut self, dt_s: f64) -> Result<(StepReport, TransportReport), Refused> {
+        self.flow.set_mixture(&self.substances);
         let report = self.flow.step(dt_s)?;
         Ok((report, self.substances.step(&self.flow, dt_s)?))
     }
 
-    /// Stops the force: what is left comes to rest.
+    /// Stops force and gravity: what is left comes to rest.
     pub fn leave_alone(&mut self) -> Result<(), Refused> {
+        self.flow.set_gravity_m_s2(Vec3::ZERO)?;
         self.flow.scale_force(0.0, 0.0)
     }
 

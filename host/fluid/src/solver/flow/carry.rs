@@ -12,6 +12,7 @@ use crate::solver::{
         engine::Engine,
         field::{BLOCK, Vector, components, cut},
         ghosts::Fill,
+        medium::{Pull, accelerating},
         pressure::Projected,
         step::check_step,
         survey::Survey,
@@ -182,10 +183,13 @@ impl Flow {
 
     /// Adds the force times `force_scale`; no speed is raised above what is kept.
     fn push_all(&mut self, dt_s: f64, force_scale: f64) {
-        let push_s = (dt_s * force_scale) as f32;
-        let Some(force) = &self.force else { return };
-        for (u, f) in self.velocity.iter_mut().zip(&force.acceleration_m_s2) {
-            let pairs = u.iter_mut().zip(f.iter());
+        let Self { layout, faces, pool, simd, .. } = self;
+        let on = Engine { pool, simd: *simd, faces };
+        let push_s = if self.mixture.is_some() { dt_s } else { dt_s * force_scale } as f32;
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, Pull::of(force_scale));
+        let Some(force) = force.force else { return };
+        for (u, f) in self.velocity.iter_mut().zip(force) {
+            let pairs = u.iter_mut().zip(f);
             pairs.for_each(|(u, f)| *u = (*u + push_s * f).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S));
         }
         self.ghosts.fill(&mut self.velocity, Fill::Unprojected);

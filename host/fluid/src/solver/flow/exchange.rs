@@ -8,11 +8,15 @@
 //! w_f = m_f (1 - r^2/R^2)^2 / sum,   R = max(radius, 2 h)
 //! u_f += J w_f / (m_f rho h^3),   gathered u = sum w_f u_f
 //! ```
-//! m_f is the part of the face that walls leave open.
+//! m_f is the part of the face that walls leave open, times its density where that differs.
 
 use glam::{DVec3, Vec3};
 
-use crate::solver::flow::{faces::Faces, field::Layout, trace::face_in_cells};
+use crate::solver::flow::{
+    faces::Faces,
+    field::{Layout, Vector},
+    trace::face_in_cells,
+};
 
 /// Narrower than this many cells a kernel would fall between the faces.
 const MIN_RADIUS_CELLS: f32 = 2.0;
@@ -21,17 +25,25 @@ const MIN_RADIUS_CELLS: f32 = 2.0;
 pub struct Kernel<'a> {
     layout: &'a Layout,
     faces: &'a Faces,
+    mass: Option<&'a Vector>,
     centre: Vec3,
     radius: f32,
 }
 
 impl<'a> Kernel<'a> {
-    /// The kernel of a body of `radius` cells at `centre`.
-    pub fn new(layout: &'a Layout, faces: &'a Faces, centre: Vec3, radius: f32) -> Self {
+    /// The kernel of a body of `radius` cells at `centre`, among faces of these masses, or all whole
+    /// and alike.
+    pub fn new(
+        layout: &'a Layout,
+        faces: &'a Faces,
+        mass: Option<&'a Vector>,
+        centre: Vec3,
+        radius: f32,
+    ) -> Self {
         // The whole grid is as wide as a kernel ever needs to be.
         let widest = layout.cells.iter().sum::<usize>() as f32;
         let radius = radius.max(MIN_RADIUS_CELLS).min(widest.max(MIN_RADIUS_CELLS));
-        Self { layout, faces, centre, radius }
+        Self { layout, faces, mass, centre, radius }
     }
 
     /// Calls `visit(index, mass in cells, weight / mass)` for the open faces of component `c`;
@@ -58,7 +70,8 @@ impl<'a> Kernel<'a> {
                     let inside = 1.0 - from_centre.length_squared() / (self.radius * self.radius);
                     if inside > 0.0 && self.faces.open[c][at] > 0.0 {
                         let shape = f64::from(inside) * f64::from(inside);
-                        visit(at, self.faces.mass(c, at), shape);
+                        let mass = self.mass.map_or(1.0, |mass| f64::from(mass[c][at]));
+                        visit(at, mass, shape);
                     }
                 }
             }

@@ -94,11 +94,6 @@ impl Faces {
         let (liquid_cells, is_box) = (mask.liquid_cells(), vessel.is_none());
         Self { open, liquid, live_rows, liquid_cells, vessel, is_box }
     }
-
-    /// Mass of the liquid that has the velocity of a face, per density and cell volume.
-    pub fn mass(&self, axis: usize, at: usize) -> f64 {
-        self.vessel.as_ref().map_or(1.0, |vessel| f64::from(vessel.area[axis][at]))
-    }
 }
 
 /// All cells of a grid, x fastest.

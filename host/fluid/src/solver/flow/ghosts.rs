@@ -60,6 +60,9 @@ struct Line {
     len: usize,
 }
 
+/// Fills both ends of one axis: of lines of values that are `stride` apart, the first at `first`.
+type FillAxis = fn(&Ghosts, usize, &mut [f32], usize, (usize, usize), Line);
+
 impl Line {
     fn from(self, start: usize) -> Self {
         Self { start, ..self }
@@ -186,6 +189,11 @@ impl Ghosts {
         matches!(self.rules[axis][end], Rule::Free)
     }
 
+    /// True if the flow sticks to the side.
+    pub fn holds(&self, axis: usize, end: usize) -> bool {
+        matches!(self.rules[axis][end], Rule::Sticks(_))
+    }
+
     /// Fills the ghosts of a pressure that a correction needs: none at a wall.
     pub fn fill_pressure(&self, psi: &mut Field) {
         if (0..3).any(|axis| self.is_periodic(axis)) {
@@ -223,20 +231,36 @@ impl Ghosts {
         self.wrap_ends(field);
     }
 
+    /// Fills what lies beyond the sides of a cell field: as next to them, or, where an axis is
+    /// periodic, as at the opposite side.
+    pub fn extend_cells(&self, field: &mut Field) {
+        let planes = self.layout.planes(field).chunks_exact_mut(self.layout.plane);
+        planes.for_each(|plane| self.along_plane(plane, Self::extend_axis));
+        self.along_ends(field, Self::extend_axis);
+    }
+
     fn wrap_plane(&self, plane: &mut [f32]) {
-        let (layout, [nx, ny, _]) = (&self.layout, self.layout.cells);
-        let (row, first) = (layout.row, layout.index_in_plane(0, 0) - 1);
-        let along_x = Line { start: 0, step: 1, len: nx + 2 };
-        self.wrap_axis(1, plane, ny, (first, row), along_x);
-        let along_y = Line { start: 0, step: row, len: ny + 2 };
-        self.wrap_axis(0, plane, nx, (1, 1), along_y);
+        self.along_plane(plane, Self::wrap_axis);
     }
 
     /// Fills the planes beyond z of a cell field if that is periodic.
     fn wrap_ends(&self, field: &mut Field) {
+        self.along_ends(field, Self::wrap_axis);
+    }
+
+    fn along_plane(&self, plane: &mut [f32], fill: FillAxis) {
+        let (layout, [nx, ny, _]) = (&self.layout, self.layout.cells);
+        let (row, first) = (layout.row, layout.index_in_plane(0, 0) - 1);
+        let along_x = Line { start: 0, step: 1, len: nx + 2 };
+        fill(self, 1, plane, ny, (first, row), along_x);
+        let along_y = Line { start: 0, step: row, len: ny + 2 };
+        fill(self, 0, plane, nx, (1, 1), along_y);
+    }
+
+    fn along_ends(&self, field: &mut Field, fill: FillAxis) {
         let (plane, nz) = (self.layout.plane, self.layout.cells[2]);
         let along = Line { start: 0, step: 1, len: plane };
-        self.wrap_axis(2, field, nz, (plane, plane), along);
+        fill(self, 2, field, nz, (plane, plane), along);
     }
 
     fn wrap_axis(
@@ -244,14 +268,26 @@ impl Ghosts {
         axis: usize,
         array: &mut [f32],
         n: usize,
-        (first, stride): (usize, usize),
+        place: (usize, usize),
         along: Line,
     ) {
         if self.is_periodic(axis) {
-            let line = |index: usize| along.from(first + index * stride);
-            copy(array, line(n - 1), along.from(first - stride), 1.0);
-            copy(array, line(0), line(n), 1.0);
+            self.extend_axis(axis, array, n, place, along);
         }
+    }
+
+    fn extend_axis(
+        &self,
+        axis: usize,
+        array: &mut [f32],
+        n: usize,
+        (first, stride): (usize, usize),
+        along: Line,
+    ) {
+        let line = |index: usize| along.from(first + index * stride);
+        let [lower, upper] = if self.is_periodic(axis) { [n - 1, 0] } else { [0, n - 1] };
+        copy(array, line(lower), along.from(first - stride), 1.0);
+        copy(array, line(upper), line(n), 1.0);
     }
 
     /// One axis of component `c`: lines of values are `stride` apart, the first at `first`.

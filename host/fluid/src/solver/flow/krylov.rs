@@ -8,8 +8,9 @@
 //! cell is added (Jacobi).
 
 use crate::solver::flow::{
+    density::Density,
     engine::Engine,
-    faces::VesselFaces,
+    faces::{Faces, VesselFaces},
     field::{FaceRuns, Field, Lanes, Layout, Run, Star, components, cut, cut_mut},
     ghosts::Ghosts,
     poisson::Poisson,
@@ -22,8 +23,39 @@ const RELATIVE_TOLERANCE: f64 = 1e-5;
 /// the largest speed.
 const SPEED_TOLERANCE: f64 = 3e-6;
 
-/// Iterations at most.
-const MAX_ITERATIONS: usize = 40;
+/// Iterations at most, of liquid of one density and of more.
+const MAX_ITERATIONS: [usize; 2] = [40, 120];
+
+/// The operator, and what its preconditioner needs to know of it.
+#[derive(Clone, Copy)]
+pub struct Operator<'a> {
+    /// What passes each face for a difference of pressure.
+    pub through: [&'a [f32]; 3],
+    /// Sum of that over the faces of each liquid cell.
+    pub through_cell: &'a [f32],
+    /// What the inverse of a cell has more than in the box, if walls cut any.
+    pub lift: Option<&'a [f32]>,
+    /// Square root of the density, if that differs.
+    pub root: Option<&'a [f32]>,
+}
+
+impl<'a> Operator<'a> {
+    /// Of the liquid in `faces`; `None` where the direct solver is all that it takes.
+    pub fn new(faces: &'a Faces, density: Option<&'a Density>) -> Option<Self> {
+        let lift = faces.vessel.as_ref().map(|vessel| &*vessel.lift);
+        match (density, &faces.vessel) {
+            (None, None) => None,
+            (None, Some(VesselFaces { area, open_area, .. })) => {
+                let through = components(area);
+                Some(Self { through, through_cell: open_area, lift, root: None })
+            }
+            (Some(density), _) => {
+                let (through, root) = (components(density.through()), Some(&*density.root));
+                Some(Self { through, through_cell: &density.through_cell, lift, root })
+            }
+        }
+    }
+}
 
 /// out += share x.
 #[inline(always)]
@@ -43,6 +75,7 @@ impl Engine<'_> {
         layout: &Layout,
         ghosts: &Ghosts,
         poisson: &mut Poisson,
+        operator: Operator<'_>,
         psi: &mut Field,
         [residual, z, p, q]: &mut [Field; 4],
         [square, speed_square]: [f64; 2],
@@ -50,49 +83,62 @@ impl Engine<'_> {
         let small = (square * RELATIVE_TOLERANCE * RELATIVE_TOLERANCE)
             .max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
         psi.fill(0.0);
-        let Some(vessel) = self.faces.vessel.as_ref().filter(|_| square > small) else {
+        if square <= small {
             return 0;
-        };
-        let mut rz = self.precondition(layout, vessel, poisson, residual, z);
+        }
+        let most = MAX_ITERATIONS[usize::from(operator.root.is_some())];
+        let mut rz = self.precondition(layout, operator, poisson, residual, [z, q]);
         p.copy_from_slice(z);
         ghosts.wrap_cells(p);
-        for iteration in 1..=MAX_ITERATIONS {
-            let curvature = self.apply(layout, vessel, p, q);
+        for iteration in 1..=most {
+            let curvature = self.apply(layout, operator, p, q);
             if !(curvature > 0.0 && rz > 0.0) {
                 return iteration as u32;
             }
             let square = self.descend(layout, (rz / curvature) as f32, [p, q], psi, residual);
-            if square <= small || iteration == MAX_ITERATIONS {
+            if square <= small || iteration == most {
                 return iteration as u32;
             }
-            let rz_next = self.precondition(layout, vessel, poisson, residual, z);
+            let rz_next = self.precondition(layout, operator, poisson, residual, [z, q]);
             self.turn(layout, (rz_next / rz) as f32, z, p);
             ghosts.wrap_cells(p);
             rz = rz_next;
         }
-        MAX_ITERATIONS as u32
+        most as u32
     }
 
-    /// z = the box's solution for r, in the liquid; returns r . z.
+    /// z = the box's solution for r, in the liquid; returns r . z. `work` is overwritten.
     fn precondition(
         &self,
         layout: &Layout,
-        vessel: &VesselFaces,
+        Operator { lift, root, .. }: Operator<'_>,
         poisson: &mut Poisson,
         r: &[f32],
-        z: &mut Field,
+        [z, work]: [&mut Field; 2],
     ) -> f64 {
-        poisson.solve(self.pool, self.simd, r, z);
+        match root {
+            None => poisson.solve(self.pool, self.simd, r, z),
+            Some(root) => {
+                self.scale(layout, root, r, work);
+                poisson.solve(self.pool, self.simd, work, z);
+            }
+        }
         self.pool.planes_sum([layout.planes(z)], [layout.plane], |k, [z]| {
             let (at, len) = ((k + 1) * layout.plane, layout.plane);
-            let (z, liquid, r) =
-                (cut_mut(z, 0, len), cut(&self.faces.liquid, at, len), cut(r, at, len));
-            let lift = cut(&vessel.lift, at, len);
+            let (z, r) = (cut_mut(z, 0, len), cut(r, at, len));
+            let share = cut(root.unwrap_or(&self.faces.liquid), at, len);
+            let lift = lift.map(|lift| cut(lift, at, len));
             self.simd.vectorize(
                 #[inline(always)]
                 || {
                     for i in 0..len {
-                        z[i] = z[i] * liquid[i] + lift[i] * r[i];
+                        z[i] *= share[i];
+                    }
+                    if let Some(lift) = lift {
+                        // As much more, the denser the cell is; where all are alike share is 1.
+                        for i in 0..len {
+                            z[i] += (share[i] * share[i]) * (lift[i] * r[i]);
+                        }
                     }
                     let mut sum = Lanes::default();
                     sum.add_product(z, r);
@@ -102,8 +148,20 @@ impl Engine<'_> {
         })
     }
 
+    /// out = share x.
+    fn scale(&self, layout: &Layout, share: &[f32], x: &[f32], out: &mut Field) {
+        self.pool.planes([layout.planes(out)], [layout.plane], |k, [out]| {
+            let (at, len) = ((k + 1) * layout.plane, layout.plane);
+            let (share, x) = (cut(share, at, len), cut(x, at, len));
+            self.simd.vectorize(
+                #[inline(always)]
+                || out.iter_mut().zip(share.iter().zip(x)).for_each(|(out, (s, x))| *out = s * x),
+            );
+        });
+    }
+
     /// q = A p; returns p . q. p is 0 outside the liquid.
-    fn apply(&self, layout: &Layout, vessel: &VesselFaces, p: &[f32], q: &mut Field) -> f64 {
+    fn apply(&self, layout: &Layout, operator: Operator<'_>, p: &[f32], q: &mut Field) -> f64 {
         self.pool.planes_sum([layout.planes(q)], [layout.plane], |k, [q]| {
             self.run(
                 layout,
@@ -112,8 +170,8 @@ impl Engine<'_> {
                 |Run { at, to, len }, sums| {
                     let (q, p) = (cut_mut(q, to, len), Star::new(layout, p, at, len));
                     let liquid = cut(&self.faces.liquid, at, len);
-                    let area = FaceRuns::new(layout, components(&vessel.area), at, len);
-                    let open = cut(&vessel.open_area, at, len);
+                    let area = FaceRuns::new(layout, operator.through, at, len);
+                    let open = cut(operator.through_cell, at, len);
                     for i in 0..q.len() {
                         let x = area.x.0[i] * p.x.0[i] + area.x.1[i] * p.x.1[i];
                         let y = area.y.0[i] * p.y.0[i] + area.y.1[i] * p.y.1[i];

@@ -5,22 +5,28 @@
 //! accurate where that is cheap and stable always.
 
 pub(super) mod carry;
+mod density;
 pub(crate) mod engine;
 mod exchange;
 pub(crate) mod faces;
 pub(crate) mod field;
 mod ghosts;
 mod krylov;
+mod medium;
 mod momentum;
 mod poisson;
 mod pressure;
 mod schedule;
 mod stages;
 mod step;
+mod stress;
 mod survey;
+mod thick;
 mod trace;
 mod viscous;
 mod walls;
+
+pub use self::medium::Medium;
 
 use std::sync::Arc;
 
@@ -32,7 +38,8 @@ use self::{
     faces::{Faces, cells},
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
-    pressure::{Prediction, Projection, Telling},
+    medium::{Mixture, sound_gravity, working},
+    pressure::{Prediction, Projection, Telling, masses},
     stages::History,
     survey::Survey,
     trace::Tracer,
@@ -82,6 +89,13 @@ pub struct Flow {
     side_speed_m_s: f64,
     density_kg_m3: f64,
     viscosity_m2_s: f64,
+    gravity_m_s2: DVec3,
+    /// The liquid without anything in it.
+    pure: Medium,
+    /// What is not the same everywhere; `None` if all is.
+    mixture: Option<Box<Mixture>>,
+    /// Room for it, once it has been needed.
+    spare_mixture: Option<Box<Mixture>>,
     pool: Arc<Pool>,
     simd: SimdClass,
     velocity: Vector,
@@ -118,7 +132,7 @@ impl Flow {
     /// # Errors
     /// [`SetupError`] if the grid has no cell or one narrower than a nanometre or wider than
     /// 1000 km, its origin is not finite, density or viscosity are negative, not finite or above
-    /// 10^6, or the sides make no sense together.
+    /// 10^6, gravity is not finite or above 10^6, or the sides make no sense together.
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         check_grid(&setup.grid)?;
         let [nx, ny, nz] = setup.grid.cells;
@@ -135,6 +149,10 @@ impl Flow {
             side_speed_m_s: setup.sides.largest_speed_m_s(),
             density_kg_m3,
             viscosity_m2_s,
+            gravity_m_s2: sound_gravity(setup.gravity_m_s2)?,
+            pure: Medium { density_kg_m3, viscosity_m2_s },
+            mixture: None,
+            spare_mixture: None,
             pool: Arc::clone(&setup.pool),
             simd: setup.simd,
             velocity: vector(),
@@ -185,18 +203,21 @@ impl Flow {
         self.faces.liquid_cells
     }
 
-    /// Mass of the liquid in one cell.
+    /// Mass of the liquid in one cell; where densities differ, of liquid that the flow counts by:
+    /// that of the setup, or the nearest to it that there is.
     #[must_use]
     pub fn cell_mass_kg(&self) -> f64 {
         self.density_kg_m3 * f64::from(self.grid.cell_volume_m3())
     }
 
-    /// Changes the kinematic viscosity from the next step on.
+    /// Changes the kinematic viscosity from the next step on, to the same everywhere.
     ///
     /// # Errors
     /// [`Refused`] if it is negative, not finite or above 10^6 m^2/s; it is unchanged then.
     pub fn set_viscosity_m2_s(&mut self, viscosity_m2_s: f32) -> Result<(), Refused> {
         self.viscosity_m2_s = not_negative("viscosity_m2_s", viscosity_m2_s)?;
+        self.pure.viscosity_m2_s = self.viscosity_m2_s;
+        self.forget_thickness();
         Ok(())
     }
 
@@ -223,7 +244,8 @@ impl Flow {
             return Ok(DVec3::ZERO);
         }
         let radius = radius_m / self.grid.spacing_m;
-        let kernel = Kernel::new(&self.layout, &self.faces, centre, radius);
+        let mass = masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()));
+        let kernel = Kernel::new(&self.layout, &self.faces, mass, centre, radius);
         let velocity = self.velocity.each_mut().map(|u| &mut **u);
         let change = kernel.push(velocity, impulse_n_s / mass_kg, MAX_SPEED_M_S);
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
@@ -252,10 +274,11 @@ impl Flow {
         let [nx, _, nz] = self.layout.cells;
         let rows =
             |k| self.layout.rows_in_plane().map(move |row| (k + 1) * self.layout.plane + row);
+        let masses = self.masses();
         let total = |c: usize| {
             let faces = (0..nz).flat_map(rows).flat_map(|row| row..row + nx);
-            faces
-                .fold(0.0, |sum, at| sum + self.faces.mass(c, at) * f64::from(self.velocity[c][at]))
+            let mass = |at: usize| masses.map_or(1.0, |mass| f64::from(mass[c][at]));
+            faces.fold(0.0, |sum, at| sum + mass(at) * f64::from(self.velocity[c][at]))
         };
         DVec3::from_array([0, 1, 2].map(total)) * self.cell_mass_kg()
     }
@@ -292,7 +315,13 @@ impl Flow {
 
     fn kernel(&self, centre_in_world_m: Vec3, radius_m: f32) -> Kernel<'_> {
         let radius = radius_m / self.grid.spacing_m;
-        Kernel::new(&self.layout, &self.faces, self.in_cells(centre_in_world_m), radius)
+        let centre = self.in_cells(centre_in_world_m);
+        Kernel::new(&self.layout, &self.faces, self.masses(), centre, radius)
+    }
+
+    /// The mass of faces, per density and cell volume; `None` where all are whole and alike.
+    fn masses(&self) -> Option<&Vector> {
+        masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()))
     }
 
     /// Where the flow is computed, for what is carried with it.
@@ -302,8 +331,9 @@ impl Flow {
 
     fn surveyed(&self) -> Survey {
         self.survey.unwrap_or_else(|| {
-            let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
-            Survey::new(self.engine(), &self.layout, components(&self.velocity), force)
+            let force = working(self.force.as_ref(), self.mixture.as_deref());
+            let velocity = components(&self.velocity);
+            Survey::new(self.engine(), &self.layout, velocity, force, self.masses())
         })
     }
 
@@ -392,6 +422,8 @@ impl Solver for Flow {
 
     fn scale_force(&mut self, start: f64, end: f64) -> Result<(), Refused> {
         self.force_scale = [within("force scale", start, 1e3)?, within("force scale", end, 1e3)?];
+        // The drive of a mixture has the scale in it.
+        self.survey = self.survey.filter(|_| self.mixture.is_none());
         Ok(())
     }
 
@@ -402,7 +434,8 @@ impl Solver for Flow {
     fn project(&mut self) {
         let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
-        projection.project(on, ghosts, velocity, Telling::Nothing);
+        let density = self.mixture.as_ref().and_then(|mixture| mixture.weight());
+        projection.project(on, ghosts, velocity, Telling::Nothing, density);
         self.survey = None;
     }
 

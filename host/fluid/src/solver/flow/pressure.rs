@@ -11,10 +11,12 @@
 use crate::{
     pool::Pool,
     solver::flow::{
+        density::Density,
         engine::Engine,
         faces::Faces,
         field::{FaceRuns, Field, Layout, Run, Star, Vector, components, cut, cut_mut},
         ghosts::{Fill, Ghosts},
+        krylov::Operator,
         poisson::Poisson,
         survey::{Survey, survey_plane},
     },
@@ -56,7 +58,8 @@ pub struct Projection {
     poisson: Poisson,
     /// Solution of the last solve; ghosts are of use at open and periodic sides only.
     psi: Field,
-    /// Residual, preconditioned residual, search direction, and A times it; only in a vessel.
+    /// Residual, preconditioned residual, search direction, and A times it; `None` as long as the
+    /// direct solver is all it takes.
     krylov: Option<[Field; 4]>,
 }
 
@@ -65,8 +68,17 @@ impl Projection {
     pub fn new(layout: &Layout, faces: &Faces, ghosts: &Ghosts, pool: &Pool) -> Self {
         let poisson = Poisson::new(layout, ghosts.pressure_ends(), pool.threads());
         let zeros = || layout.zeros();
-        let krylov = (!faces.is_box).then(|| [zeros(), zeros(), zeros(), zeros()]);
-        Self { layout: *layout, poisson, psi: zeros(), krylov }
+        let mut projection = Self { layout: *layout, poisson, psi: zeros(), krylov: None };
+        if !faces.is_box {
+            projection.make_room();
+        }
+        projection
+    }
+
+    /// Makes room for what the direct solver alone cannot solve.
+    pub fn make_room(&mut self) {
+        let zeros = || self.layout.zeros();
+        self.krylov.get_or_insert_with(|| [zeros(), zeros(), zeros(), zeros()]);
     }
 
     /// Takes the divergence out of `velocity`, whose ghosts are filled before and after.
@@ -76,21 +88,23 @@ impl Projection {
         ghosts: &Ghosts,
         velocity: &mut Vector,
         telling: Telling<'_>,
+        density: Option<&Density>,
     ) -> Projected {
         let Self { layout, poisson, psi, krylov } = self;
-        let iterations = match krylov {
-            Some(krylov) => {
-                let squares = set_residual(on, layout, components(velocity), &mut krylov[0]);
-                on.iterate(layout, ghosts, poisson, psi, krylov, squares)
+        let operator = Operator::new(on.faces, density);
+        let iterations = match operator.zip(krylov.as_mut()) {
+            Some((operator, krylov)) => {
+                let squares = set_residual(on, layout, components(velocity), &mut krylov[0], true);
+                on.iterate(layout, ghosts, poisson, operator, psi, krylov, squares)
             }
             None => {
-                set_residual(on, layout, components(velocity), psi);
+                set_residual(on, layout, components(velocity), psi, false);
                 poisson.solve_in_place(on.pool, on.simd, psi);
                 0
             }
         };
         ghosts.fill_pressure(psi);
-        let survey = self.correct(on, ghosts, velocity, telling);
+        let survey = self.correct(on, ghosts, velocity, telling, density);
         Projected { iterations, survey }
     }
 
@@ -101,8 +115,11 @@ impl Projection {
         ghosts: &Ghosts,
         velocity: &mut Vector,
         telling: Telling<'_>,
+        density: Option<&Density>,
     ) -> Survey {
         let (layout, psi) = (self.layout, &*self.psi);
+        let lightness = density.map_or(&on.faces.open, |density| &density.lightness);
+        let mass = masses(on.faces, density);
         let [_, ny, nz] = layout.cells;
         let beyond = usize::from(ghosts.is_free(1, 1));
         let outs = velocity.each_mut().map(|field| layout.planes(field));
@@ -123,11 +140,11 @@ impl Projection {
                             .enumerate()
                     {
                         let u = cut_mut(u, run.to, run.len);
-                        if on.faces.is_box {
+                        if on.faces.is_box && density.is_none() {
                             correct_box(u, psi.here, below);
                         } else {
-                            let open = cut(&on.faces.open[c], run.at, run.len);
-                            correct_open(u, open, psi.here, below);
+                            let lightness = cut(&lightness[c], run.at, run.len);
+                            correct_open(u, lightness, psi.here, below);
                         }
                     }
                 },
@@ -141,13 +158,21 @@ impl Projection {
             }
             let Telling::All(force) = telling else { return [0.0; 4] };
             let force = force.map(|force| force.map(|f| &f[(k + 1) * layout.plane..]));
-            survey_plane(on, &layout, planes.map(|plane| &*plane), force, k)
+            survey_plane(on, &layout, planes.map(|plane| &*plane), force, mass, k)
         };
         let parts = on.pool.fold(None, outs, [layout.plane; 3], body, Survey::combine);
         if ghosts.is_free(2, 1) {
             let last = cut(psi, nz * layout.plane, layout.plane);
             let top = cut_mut(&mut velocity[2], (nz + 1) * layout.plane, layout.plane);
-            top.iter_mut().zip(last).for_each(|(w, psi)| *w += psi);
+            match density {
+                None => top.iter_mut().zip(last).for_each(|(w, psi)| *w += psi),
+                Some(density) => {
+                    let lightness =
+                        cut(&density.lightness[2], (nz + 1) * layout.plane, layout.plane);
+                    let pairs = last.iter().zip(lightness);
+                    top.iter_mut().zip(pairs).for_each(|(w, (psi, light))| *w += light * psi);
+                }
+            }
         }
         for (c, field) in velocity.iter_mut().enumerate() {
             ghosts.fill_ends(c, field, Fill::Projected);
@@ -175,12 +200,19 @@ impl Projection {
     }
 }
 
-/// residual = -delta; returns its squared norm and the squared norm of the velocity.
+/// The mass of faces, per density and cell volume; `None` where all are whole and alike.
+pub fn masses<'a>(faces: &'a Faces, density: Option<&'a Density>) -> Option<&'a Vector> {
+    let area = || faces.vessel.as_ref().map(|vessel| &vessel.area);
+    density.map(|density| &density.mass).or_else(area)
+}
+
+/// residual = -delta; returns, if it measures, its squared norm and that of the velocity.
 fn set_residual(
     on: Engine<'_>,
     layout: &Layout,
     velocity: [&[f32]; 3],
     residual: &mut Field,
+    measures: bool,
 ) -> [f64; 2] {
     let body = |k, [out]: [&mut [f32]; 1]| {
         on.run(
@@ -195,6 +227,13 @@ fn set_residual(
                     let liquid = cut(&on.faces.liquid, at, len);
                     for i in 0..out.len() {
                         out[i] = -liquid[i] * faces.outflow_through(&area, i);
+                    }
+                    sums[0].add_product(out, out);
+                    faces.add_squares(&mut sums[1]);
+                } else if measures {
+                    let liquid = cut(&on.faces.liquid, at, len);
+                    for i in 0..out.len() {
+                        out[i] = -liquid[i] * faces.outflow(i);
                     }
                     sums[0].add_product(out, out);
                     faces.add_squares(&mut sums[1]);
@@ -222,9 +261,9 @@ fn correct_box(u: &mut [f32], above: &[f32], below: &[f32]) {
 }
 
 #[inline(always)]
-fn correct_open(u: &mut [f32], open: &[f32], above: &[f32], below: &[f32]) {
+fn correct_open(u: &mut [f32], lightness: &[f32], above: &[f32], below: &[f32]) {
     for i in 0..u.len() {
-        let next = u[i] - open[i] * (above[i] - below[i]);
+        let next = u[i] - lightness[i] * (above[i] - below[i]);
         u[i] = if next.abs() < REST_M_S { 0.0 } else { next };
     }
 }

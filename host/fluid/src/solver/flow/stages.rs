@@ -7,6 +7,7 @@ use crate::solver::flow::{
     engine::Engine,
     field::{Vector, components},
     ghosts::Fill,
+    medium::{Accelerating, Pull, accelerating},
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
     pressure::Prediction,
     step::Part,
@@ -69,11 +70,13 @@ impl Flow {
     /// The terms of a stage at `share` of the part.
     fn terms(&self, part: Part, share: f64, with_viscosity: bool) -> Terms {
         let spacing_m = f64::from(self.grid.spacing_m);
-        let viscosity_m2_s = if with_viscosity { self.viscosity_m2_s } else { 0.0 };
+        let is_uniform = self.thick_per_s().is_none();
+        let viscosity_m2_s = if with_viscosity && is_uniform { self.viscosity_m2_s } else { 0.0 };
         Terms {
             advection_per_m: (-1.0 / (4.0 * spacing_m)) as f32,
             viscous_per_s: (viscosity_m2_s / (spacing_m * spacing_m)) as f32,
-            force: part.scale_at(share) as f32,
+            // The drive of a mixture has the scale in it.
+            force: if self.mixture.is_some() { 1.0 } else { part.scale_at(share) as f32 },
         }
     }
 
@@ -94,10 +97,12 @@ impl Flow {
         self.pressure_dt_s = 0.0;
         let advance = self.multistep(part, true);
         let terms = self.terms(part, advance.force_at(), true);
+        let scale = part.scale_at(advance.force_at());
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
-        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let on = Engine { pool, simd: *simd, faces };
+        let pull = Pull { slowed: Some(components(velocity)), ..Pull::of(scale) };
+        let force = accelerating(on, layout, &self.force, &mut self.mixture, pull).force;
+        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
@@ -127,12 +132,17 @@ impl Flow {
         let rates = self.multistep(part, false);
         let terms = self.terms(part, rates.force_at(), false);
         let number = self.diffusion_number(part.dt_s);
+        let scale = part.scale_at(rates.force_at());
+        let is_uniform = self.thick_per_s().is_none();
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
-        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
-        let (dt_s, viscous) = (part.dt_s as f32, number as f32);
-        let advance = Semi { rates, pressure: &self.pressure.next, dt_s, viscous };
         let on = Engine { pool, simd: *simd, faces };
+        let Accelerating { force, pressure } =
+            accelerating(on, layout, &self.force, &mut self.mixture, Pull::of(scale));
+        let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
+        let (dt_s, theta) = (part.dt_s as f32, implicit_share(number));
+        let viscous = if is_uniform { number as f32 } else { 0.0 };
+        let pressure = pressure.unwrap_or(&self.pressure.next);
+        let advance = Semi { rates, pressure, dt_s, viscous };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
@@ -151,9 +161,15 @@ impl Flow {
                 correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
+        if let Some(weight) = self.mixture.as_ref().and_then(|mixture| mixture.weight()) {
+            weight.press(on, layout, &self.pressure.next, dt_s, out);
+        }
+        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick()) {
+            thick.prepare(on, velocity, dt_s, out);
+            return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
+        }
         ghosts.fill(out, Fill::Difference);
-        let s = (implicit_share(number) * number) as f32;
-        self.viscous.solve(on, ghosts, s, out, velocity)
+        self.viscous.solve(on, ghosts, (theta * number) as f32, out, velocity)
     }
 
     /// Adds what viscosity alone does in `dt_s`. Returns the iterations.
@@ -162,14 +178,19 @@ impl Flow {
         if number == 0.0 {
             return 0;
         }
+        let theta = implicit_share(number);
         let Self { faces, ghosts, velocity, stage: [rhs, _], viscous, pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         // What was traced or pushed need not stick to a side yet. A ghost on a parabola would call
         // for more than what is solved for can give, and the flow would swing beyond rest.
         ghosts.fill(velocity, Fill::Carried);
+        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick()) {
+            rhs.iter_mut().for_each(|rhs| rhs.fill(0.0));
+            thick.prepare(on, velocity, dt_s as f32, rhs);
+            return thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity);
+        }
         viscous.set_rhs(on, velocity, rhs, number as f32);
-        let s = (implicit_share(number) * number) as f32;
-        viscous.solve(on, ghosts, s, rhs, velocity)
+        viscous.solve(on, ghosts, (theta * number) as f32, rhs, velocity)
     }
 
     /// One part in three stages, explicit throughout.
@@ -177,19 +198,22 @@ impl Flow {
         let terms = STAGES.map(|(.., at)| self.terms(part, at, true));
         let Self { layout, faces, ghosts, velocity, stage, pressure, pool, simd, .. } = self;
         let [first, second] = stage;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
         let on = Engine { pool, simd: *simd, faces };
-        for (index, (start_share, own_share, _)) in STAGES.into_iter().enumerate() {
+        for (index, (start_share, own_share, at)) in STAGES.into_iter().enumerate() {
             let (from, to): (&Vector, &mut Vector) = match index {
                 0 => (velocity, &mut *first),
                 1 => (&*first, &mut *second),
                 _ => (&*second, &mut *first),
             };
+            let (slowed, predicted) = (Some(components(from)), Some(&pressure.next));
+            let pull = Pull { slowed, pressure: predicted, ..Pull::of(part.scale_at(at)) };
+            let accelerating = accelerating(on, layout, &self.force, &mut self.mixture, pull);
+            let force = accelerating.force;
             let (layout, velocity) = (*layout, components(velocity));
             let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
             let advance = RungeKutta {
                 start: velocity,
-                pressure: &pressure.next,
+                pressure: accelerating.pressure.unwrap_or(&pressure.next),
                 start_share,
                 own_share,
                 dt_s: part.dt_s as f32,

@@ -6,8 +6,8 @@ use crate::solver::{
         Flow, MAX_SPEED_M_S,
         carry::Carriage,
         engine::Engine,
-        field::components,
         ghosts::Fill,
+        medium::working,
         pressure::{Projected, Telling},
         schedule::{Plan, plan},
         survey::Survey,
@@ -21,6 +21,10 @@ const MAX_STEP_S: f64 = 1e3;
 /// Energy that the guard lets gather beyond what was there and what forces did, as a part of
 /// it: the error of the work integral and of f32 sums.
 const GUARD_SLACK: f64 = 1e-3;
+
+/// Part by which the work on what weighs may be more: the books know it to the first order in the
+/// step, in which density and velocity are carried one after the other.
+const WORK_SLACK: f64 = 0.05;
 
 /// One part of a step.
 #[derive(Clone, Copy)]
@@ -47,6 +51,9 @@ impl Flow {
     /// See [`crate::solver::Solver::step`].
     pub(super) fn advance(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
         check_step(dt_s)?;
+        if self.survey.is_none() {
+            self.set_drive();
+        }
         let before = self.surveyed();
         if dt_s == 0.0 || (self.may_sleep && before.speed_m_s == 0.0 && !self.is_forced()) {
             self.survey = Some(before);
@@ -90,10 +97,13 @@ impl Flow {
     fn plan(&self, dt_s: f64, before: Survey) -> Plan {
         let spacing_m = f64::from(self.grid.spacing_m);
         let scale = self.force_scale[0].abs().max(self.force_scale[1].abs());
-        let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale);
+        let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale)
+            + self.mixture.as_ref().map_or(0.0, |mixture| mixture.largest_m_s2);
         let speed_m_s = before.speed_m_s.max(self.side_speed_m_s) + pull * dt_s;
         let cfl = speed_m_s * dt_s / spacing_m;
-        plan(cfl, 12.0 * self.diffusion_number(dt_s), self.forced)
+        // Between two projections friction that differs acts on gradients, too: twice as fast.
+        let stiffest = if self.thick_per_s().is_some() { 24.0 } else { 12.0 };
+        plan(cfl, stiffest * self.diffusion_number(dt_s), self.forced)
     }
 
     fn part(&self, dt_s: f64, plan: Plan, index: u32) -> Part {
@@ -106,19 +116,31 @@ impl Flow {
     fn is_forced(&self) -> bool {
         let is_pushed = self.force.as_ref().is_some_and(|force| force.largest_m_s2 > 0.0)
             && self.force_scale != [0.0; 2];
-        is_pushed || self.side_speed_m_s > 0.0
+        let is_pulled = self.mixture.as_ref().is_some_and(|mixture| mixture.largest_m_s2 > 0.0);
+        is_pushed || is_pulled || self.side_speed_m_s > 0.0
     }
 
+    /// How fast friction is at most, where it differs from place to place.
+    pub(super) fn thick_per_s(&self) -> Option<f64> {
+        self.mixture.as_ref().and_then(|mixture| mixture.stiffness_per_s())
+    }
+
+    /// nu dt / h^2, of which 12 times is what the stiffest mode without divergence decays by.
     pub(super) fn diffusion_number(&self, dt_s: f64) -> f64 {
+        if let Some(stiffness_per_s) = self.thick_per_s() {
+            return stiffness_per_s * dt_s / 24.0;
+        }
         self.viscosity_m2_s * dt_s / f64::from(self.grid.spacing_m).powi(2)
     }
 
     /// Projects, and surveys what that leaves.
     pub(super) fn clear_divergence(&mut self) -> Projected {
+        self.set_drive();
         let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
-        let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
+        let force = working(self.force.as_ref(), self.mixture.as_deref());
         let on = Engine { pool, simd: *simd, faces };
-        projection.project(on, ghosts, velocity, Telling::All(force))
+        let density = self.mixture.as_ref().and_then(|mixture| mixture.weight());
+        projection.project(on, ghosts, velocity, Telling::All(force), density)
     }
 
     /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
@@ -132,8 +154,17 @@ impl Flow {
         report: &mut StepReport,
     ) -> Survey {
         // As u'^2 - u^2 = (u' + u)(u' - u): exact, however the force changes meanwhile.
-        let push_s = 0.5 * dt_s * (self.force_scale[0] + self.force_scale[1]);
-        let work = 0.5 * push_s * (before.power_m2_s3 + after.power_m2_s3);
+        // The drive of a mixture has the scale in it.
+        let scale = 0.5 * (self.force_scale[0] + self.force_scale[1]);
+        let push_s = if self.mixture.is_some() { dt_s } else { dt_s * scale };
+        let mean_m2_s3 = 0.5 * (before.power_m2_s3 + after.power_m2_s3);
+        // What weighs is carried, and falls, with the velocity after the step.
+        let is_weighty = self.mixture.as_ref().is_some_and(|mixture| mixture.weight().is_some());
+        let power_m2_s3 = match is_weighty {
+            true => mean_m2_s3.max(after.power_m2_s3) + WORK_SLACK * mean_m2_s3.abs(),
+            false => mean_m2_s3,
+        };
+        let work = push_s * power_m2_s3;
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
         self.excess_m2_s2 = if self.is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
         let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());

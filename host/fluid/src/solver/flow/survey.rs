@@ -2,32 +2,34 @@
 
 use crate::solver::flow::{
     engine::Engine,
-    field::{Largest, Layout, Run, cut},
+    field::{Largest, Layout, Run, Vector, cut},
 };
 
 /// What a survey found. Energies are per density and cell volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Survey {
-    /// Sum of u^2 / 2 over all faces, by their open parts.
+    /// Sum of u^2 / 2 over all faces, by their mass.
     pub energy_m2_s2: f64,
     /// Largest |u| + |v| + |w| over the lower faces of a cell.
     pub speed_m_s: f64,
-    /// Sum of f . u over all faces, by their open parts.
+    /// Sum of f . u over all faces, by their mass.
     pub power_m2_s3: f64,
 }
 
 impl Survey {
-    /// Surveys `velocity`; `force` is the acceleration that works on it.
+    /// Surveys `velocity`; `force` is the acceleration that works on it, `mass` that of faces,
+    /// unless all are whole and alike.
     pub fn new(
         on: Engine<'_>,
         layout: &Layout,
         velocity: [&[f32]; 3],
         force: Option<[&[f32]; 3]>,
+        mass: Option<&Vector>,
     ) -> Self {
         let body = |k: usize, _: [&mut [f32]; 0]| {
             let velocity = velocity.map(|u| cut(u, (k + 1) * layout.plane, layout.plane));
             let force = force.map(|f| f.map(|f| cut(f, (k + 1) * layout.plane, layout.plane)));
-            survey_plane(on, layout, velocity, force, k)
+            survey_plane(on, layout, velocity, force, mass, k)
         };
         Self::from_parts(on.pool.fold(Some(layout.cells[2]), [], [], body, Self::combine))
     }
@@ -49,10 +51,11 @@ pub fn survey_plane(
     layout: &Layout,
     [x, y, z]: [&[f32]; 3],
     force: Option<[&[f32]; 3]>,
+    mass: Option<&Vector>,
     k: usize,
 ) -> [f64; 4] {
     let mut speed = Largest::default();
-    let [squares, power, ..] = match &on.faces.vessel {
+    let [squares, power, ..] = match mass {
         None => on.run(
             layout,
             k,
@@ -76,7 +79,7 @@ pub fn survey_plane(
                 }
             },
         ),
-        Some(vessel) => on.rows(
+        Some(mass) => on.rows(
             layout,
             k,
             #[inline(always)]
@@ -88,10 +91,10 @@ pub fn survey_plane(
                     |i| u[i].abs() + v[i].abs() + w[i].abs(),
                 );
                 for (c, u) in [u, v, w].into_iter().enumerate() {
-                    let area = cut(&vessel.area[c], at, len);
-                    squares.add_weighted(area, u, u);
+                    let mass = cut(&mass[c], at, len);
+                    squares.add_weighted(mass, u, u);
                     if let Some(force) = force {
-                        power.add_weighted(area, u, cut(force[c], to, len));
+                        power.add_weighted(mass, u, cut(force[c], to, len));
                     }
                 }
             },

@@ -146,6 +146,11 @@ impl WallFaces {
         sum
     }
 
+    /// Calls `visit(index, drag)` for the faces of component `c`.
+    pub fn visit_drag(&self, c: usize, mut visit: impl FnMut(usize, f32)) {
+        self.faces[c].iter().for_each(|face| visit(face.at as usize, face.drag));
+    }
+
     /// Multiplies by the inertia, or divides by it.
     pub fn weigh(&self, vector: &mut Vector, divides: bool) {
         for (faces, field) in self.faces.iter().zip(vector) {
