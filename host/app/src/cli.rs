@@ -4,6 +4,8 @@ use cauldron_fluid::simd::SimdClass;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
+use crate::grid::GridChoice;
+
 /// Stir a pot of fluid with a force-feedback handle: see it, feel it, measure it.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES)]
@@ -90,9 +92,10 @@ pub struct RunArgs {
     /// Pictures per simulated second; 0 for none
     #[arg(long, default_value_t = 5.0, value_parser = frames_per_second)]
     pub fps: f64,
-    /// Cells along the box's longest edge, instead of the scene's own
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=128))]
-    pub grid: Option<u16>,
+    /// Cells along the box's longest edge, instead of the scene's own, or auto: as many as half the
+    /// time leaves room for, by a measurement at the start
+    #[arg(long, value_name = "N|auto")]
+    pub grid: Option<GridChoice>,
     /// Threads of the fluid; by default as many as there are cores, at most 2
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=64))]
     pub threads: Option<u16>,
@@ -113,6 +116,15 @@ pub struct RunArgs {
 /// Arguments of `scenes`.
 #[derive(Args, Debug)]
 pub struct ScenesArgs {
+    /// One scene alone: a name, or a file
+    #[arg(value_name = "NAME", required_if_eq("plan", "true"))]
+    pub scene: Option<String>,
+    /// Says what the scene's steps compute, and what that takes
+    #[arg(long)]
+    pub plan: bool,
+    /// Cells along the box's longest edge, instead of the scene's own, or auto
+    #[arg(long, value_name = "N|auto", requires = "plan")]
+    pub grid: Option<GridChoice>,
     /// Prints a line of JSON for each
     #[arg(long)]
     pub json: bool,

@@ -8,6 +8,7 @@
 pub mod bench;
 pub mod cli;
 pub mod failure;
+pub mod grid;
 pub mod host;
 pub mod ledger;
 pub mod run;

@@ -6,6 +6,7 @@ pub mod bench;
 pub mod force;
 pub mod grid;
 pub mod mask;
+pub mod plan;
 pub mod pool;
 pub mod pot;
 pub mod scenes;

@@ -42,6 +42,11 @@ impl Mask {
         Self { cells, liquid, liquid_cells }
     }
 
+    /// Memory that it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.liquid.len()
+    }
+
     /// Number of liquid cells.
     #[must_use]
     pub fn liquid_cells(&self) -> usize {

@@ -8,6 +8,7 @@ use crate::{
     Snapshot, SubstanceView,
     force::{Drag, Exchange},
     grid::Grid,
+    plan::Item,
     pool::Pool,
     scenes::{Scene, Start, Substance},
     simd::SimdClass,
@@ -127,6 +128,16 @@ impl Pot {
         self.substances.as_ref()
     }
 
+    /// What is computed in each step, and what it takes.
+    #[must_use]
+    pub fn plan(&self) -> Vec<Item> {
+        let liquid = self.flow.as_ref().map_or_else(|| vec![Item::off("liquid")], Flow::plan);
+        let substances = self.substances.as_ref().map(Substances::plan).unwrap_or_default();
+        let sheet = self.surface.as_ref().map(|sheet| ("springs and masses", sheet.bytes()));
+        let surface = Item::if_any("surface", sheet);
+        liquid.into_iter().chain(substances).chain([surface]).collect()
+    }
+
     /// Drag of the probe in the liquid.
     #[must_use]
     pub fn drag(&self) -> Drag {
@@ -214,8 +225,10 @@ impl Pot {
                     totals.guard_actions += u64::from(report.guard_actions);
                     totals.kinetic_energy_max_j =
                         totals.kinetic_energy_max_j.max(report.kinetic_energy_j);
-                    totals.divergence_max_per_s =
-                        totals.divergence_max_per_s.max(flow.divergence_max_per_s());
+                    if !report.asleep {
+                        totals.divergence_max_per_s =
+                            totals.divergence_max_per_s.max(flow.divergence_max_per_s());
+                    }
                 }
                 Err(_) => self.totals.refused += 1,
             }

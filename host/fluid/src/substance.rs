@@ -33,6 +33,7 @@ use self::{
 use crate::{
     grid::Grid,
     mask::Mask,
+    plan::Item,
     solver::{
         Refused, Setup,
         flow::{
@@ -139,6 +140,20 @@ impl Substances {
         self.all.len()
     }
 
+    /// What is computed in each step that holds any of them, and what has been made for it.
+    #[must_use]
+    pub fn plan(&self) -> Vec<Item> {
+        let held = self.all.iter().map(|substance| substance.cells.bytes()).sum::<usize>();
+        let fluxes = self.fluxes.iter().flatten().map(Field::bytes).sum::<usize>();
+        let work = self.work.bytes() + self.spare.bytes() + self.mask.bytes() + fluxes;
+        let spreads = self.all.iter().any(|s| s.properties.diffusivity_m2_s > 0.0);
+        let how = format!("{}: fifth order, conservative, where they are", self.len());
+        vec![
+            Item::if_any("substances", (!self.is_empty()).then_some((how, held + work))),
+            Item::if_any("diffusion", spreads.then_some(("explicit or implicit by step", 0))),
+        ]
+    }
+
     /// True if there is none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -155,7 +170,10 @@ impl Substances {
             .map_err(|refused| Refused { value: dt_s, ..refused })?;
         let layout = flow.layout();
         let mut report = TransportReport::nothing();
-        if *layout != self.layout || self.all.iter().all(|substance| substance.highest == 0.0) {
+        let moves = |s: &Substance| {
+            s.highest > 0.0 && !(flow.is_at_rest() && s.properties.diffusivity_m2_s == 0.0)
+        };
+        if *layout != self.layout || !self.all.iter().any(moves) {
             return Ok(report);
         }
         let mut room = self.fluxes.take();

@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::{Clock, Output, Record};
-use crate::{host::Host, world::Options};
+use crate::{grid::Tried, host::Host, world::Options};
 
 const TICKS_PER_SECOND: f64 = cauldron_firmware::TICKS_PER_SECOND as f64;
 
@@ -17,6 +17,8 @@ pub struct Run<'a, T> {
     pub scene: &'a Scene,
     /// How it ran.
     pub options: &'a Options,
+    /// Grids that were tried before this one was chosen.
+    pub grid_tried: Option<Vec<Tried>>,
     /// The host at the end.
     pub host: &'a Host<T>,
     /// What it took.
@@ -30,6 +32,8 @@ pub struct Figures {
     pub scene: String,
     /// Cells along x, y, z.
     pub grid: [usize; 3],
+    /// Grids that were tried before this one was chosen; null if it was given.
+    pub grid_tried: Option<Vec<Tried>>,
     /// Seed of every draw.
     pub seed: u64,
     /// Vector width.
@@ -118,6 +122,7 @@ impl Figures {
         Self {
             scene: run.scene.name.clone(),
             grid: run.scene.grid.cells,
+            grid_tried: run.grid_tried.clone(),
             seed: run.options.seed,
             simd: run.options.simd.name(),
             threads: run.options.pool.threads(),

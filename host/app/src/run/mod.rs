@@ -31,6 +31,7 @@ use std::{
 use crate::{
     Failure,
     cli::{DeviceKind, RunArgs},
+    grid::{self, Tried},
     host::{Host, Latency},
     world::{Options, SimHost, World},
 };
@@ -44,9 +45,9 @@ use progress::Progress;
 /// # Errors
 /// [`Failure`]: bad input, a folder that cannot be written, a device that cannot be worked with.
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
-    let scene = scene(args)?;
-    let output = Output::claim(&args.out)?;
     let options = options(args);
+    let (scene, grid_tried) = scene(args, &options)?;
+    let output = Output::claim(&args.out)?;
     let world = match args.device {
         DeviceKind::Sim => {
             World::new(&scene, &options).map_err(|wrong| Failure::Input(wrong.to_string()))?
@@ -61,7 +62,8 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         clock: Clock::default(),
     };
     let host = if args.real_time { show.play_live(world)? } else { show.play(world)? };
-    let run = Run { scene: &scene, options: &options, host: &host, clock: show.clock };
+    let clock = show.clock;
+    let run = Run { scene: &scene, grid_tried, options: &options, host: &host, clock };
     let figures = Figures::of(&run, &show.record);
     show.record.write_csv(&output.file("run.csv")?)?;
     show.pictures.finish(&show.record)?;
@@ -77,16 +79,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     }
 }
 
-fn scene(args: &RunArgs) -> Result<Scene, Failure> {
+fn scene(args: &RunArgs, options: &Options) -> Result<(Scene, Option<Vec<Tried>>), Failure> {
     let mut scene = scenes::find(&args.scene).map_err(|e| Failure::Input(e.to_string()))?;
-    if let Some(n) = args.grid {
-        scene.regrid(usize::from(n));
-        scene.check().map_err(|wrong| Failure::Input(format!("--grid {n}: {wrong}")))?;
-    }
+    let tried = args.grid.map(|choice| grid::cut(&mut scene, choice, options)).transpose()?;
     if matches!(scene.vessel, Vessel::Cylinder { .. } | Vessel::Distance(_)) {
         eprintln!("{}: the hand feels and sees the grid's box, not the vessel's wall", scene.name);
     }
-    Ok(scene)
+    Ok((scene, tried.flatten()))
 }
 
 fn options(args: &RunArgs) -> Options {

@@ -19,6 +19,7 @@ mod frame;
 mod measure;
 mod projection;
 mod row;
+mod skip;
 pub mod target;
 
 use std::sync::Arc;
@@ -44,6 +45,9 @@ pub const NAMES: &[&str] = &[
     "equal-time",
     "frame-box",
     "frame-bowl",
+    "at-rest",
+    "plume",
+    "features",
 ];
 
 /// Solvers of the quick run.
@@ -145,6 +149,7 @@ pub fn run(options: &Options, progress: &mut dyn FnMut(&str)) -> Result<Vec<Row>
     bowl::run(&mut session)?;
     equal::run(&mut session)?;
     frame::run(&mut session)?;
+    skip::run(&mut session)?;
     Ok(session.rows.into_iter().map(|row| target::judged(row, options.simd)).collect())
 }
 

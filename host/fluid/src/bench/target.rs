@@ -57,6 +57,9 @@ pub const TARGETS: &[Target] = &[
     // 120 and 20 frames a second.
     target("frame-box", "step_ms_wall", 64, 1e3 / 120.0),
     target("frame-box", "step_ms_wall", 128, 1e3 / 20.0),
+    // What rests, and what is not there.
+    target("at-rest", "time_share", 64, 0.01),
+    target("plume", "time_share", 64, 0.25),
 ];
 
 impl Target {

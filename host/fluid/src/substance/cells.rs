@@ -113,6 +113,11 @@ pub struct Cells {
 }
 
 impl Cells {
+    /// Memory that they take.
+    pub fn bytes(&self) -> usize {
+        self.fraction.bytes() + size_of_val(&*self.extents)
+    }
+
     /// Nothing anywhere. There are as many planes as whole slabs have.
     pub fn new(layout: &Layout) -> Self {
         let planes = layout.cells[2].next_multiple_of(SLAB);

@@ -47,6 +47,15 @@ pub struct SpringSheet {
 }
 
 impl SpringSheet {
+    /// Memory that it takes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let motions = [&self.motion, &self.stage, &self.slope, &self.sum];
+        let values = motions.map(|m| m.height_m.len() + m.speed_m_s.len()).iter().sum::<usize>();
+        let nodes = values + self.force_n.len() + self.damping_n_s_per_m.len();
+        nodes * size_of::<f32>() + self.wet.len()
+    }
+
     /// A sheet at rest on the top of the grid's box, one node on each cell corner.
     #[must_use]
     pub fn new(params: SurfaceParams, grid: &Grid, vessel: &Vessel) -> Self {

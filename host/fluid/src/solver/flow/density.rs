@@ -10,6 +10,7 @@ use crate::solver::flow::{
     faces::Faces,
     field::{FaceRuns, Field, Layout, Run, Vector, components, cut, cut_mut},
     ghosts::Ghosts,
+    inventory::bytes,
 };
 
 /// What density makes of faces and cells, all per density of the flow.
@@ -27,6 +28,12 @@ pub struct Density {
 }
 
 impl Density {
+    /// Memory that it takes.
+    pub fn bytes(&self) -> usize {
+        let fields = self.mass.iter().chain(&self.lightness).chain(self.through.iter().flatten());
+        bytes(fields.chain([&self.through_cell, &self.root]))
+    }
+
     /// For the liquid in these faces.
     pub fn new(layout: &Layout, faces: &Faces) -> Self {
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];

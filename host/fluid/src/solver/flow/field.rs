@@ -85,6 +85,11 @@ impl Layout {
     }
 }
 
+/// Memory that three fields take.
+pub fn vector_bytes(vector: &[Field; 3]) -> usize {
+    vector.iter().map(Field::bytes).sum()
+}
+
 /// Values in memory that starts at a cache line.
 #[derive(Debug)]
 pub struct Field {
@@ -100,6 +105,11 @@ const STAGGERS: usize = 16;
 const STAGGER: usize = 5 * BLOCK;
 
 impl Field {
+    /// Memory that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.store.as_slice())
+    }
+
     /// `len` zeros.
     pub fn zeros(len: usize) -> Self {
         static COUNT: AtomicUsize = AtomicUsize::new(0);

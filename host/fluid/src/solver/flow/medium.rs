@@ -68,18 +68,18 @@ pub(super) struct Mixture {
     /// Kinematic viscosity of each cell.
     pub(super) viscosity_m2_s: Field,
     /// What gravity does at open faces.
-    buoyancy_m_s2: Vector,
+    pub(super) buoyancy_m_s2: Vector,
     /// Least density at each level along one axis.
     lightest: Vec<f32>,
     /// Largest of what gravity does.
     pub(super) largest_m_s2: f64,
     /// All that accelerates a stage.
-    total_m_s2: Vector,
+    pub(super) total_m_s2: Vector,
     /// The friction of viscosities that differ; as it was when they last did.
-    thick: Option<Thick>,
+    pub(super) thick: Option<Thick>,
     is_thick_somewhere: bool,
     /// What densities weigh that differ too much for gravity alone, and no pressure.
-    weight: Option<(Density, Field)>,
+    pub(super) weight: Option<(Density, Field)>,
     is_weighty: bool,
 }
 

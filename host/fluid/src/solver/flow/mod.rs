@@ -11,6 +11,7 @@ mod exchange;
 pub(crate) mod faces;
 pub(crate) mod field;
 mod ghosts;
+mod inventory;
 mod krylov;
 mod medium;
 mod momentum;
@@ -103,7 +104,8 @@ pub struct Flow {
     stage: [Vector; 2],
     /// What the rates are good for; `None` if there are none.
     history: Option<History>,
-    viscous: Viscous,
+    /// What solves for thick liquid; `None` as long as it is inviscid.
+    viscous: Option<Viscous>,
     pressure: Prediction,
     /// Length of the part of a step that left it; 0 if it predicts nothing.
     pressure_dt_s: f64,
@@ -158,7 +160,7 @@ impl Flow {
             velocity: vector(),
             stage: [vector(), vector()],
             history: None,
-            viscous: Viscous::new(&layout, &faces, &ghosts, setup.pool.threads()),
+            viscous: None,
             pressure: Prediction { next: layout.zeros(), trend: layout.zeros(), share: 0.0 },
             pressure_dt_s: 0.0,
             projection: Projection::new(&layout, &faces, &ghosts, &setup.pool),
@@ -173,6 +175,9 @@ impl Flow {
             ghosts,
         };
         flow.ghosts.fill(&mut flow.velocity, Fill::Projected);
+        if viscosity_m2_s > 0.0 {
+            flow.make_viscous();
+        }
         Ok(flow)
     }
 
@@ -197,6 +202,12 @@ impl Flow {
         &self.grid
     }
 
+    /// True if a step has found that nothing moves.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.survey.is_some_and(|survey| survey.speed_m_s == 0.0)
+    }
+
     /// Number of liquid cells.
     #[must_use]
     pub fn liquid_cells(&self) -> usize {
@@ -218,6 +229,9 @@ impl Flow {
         self.viscosity_m2_s = not_negative("viscosity_m2_s", viscosity_m2_s)?;
         self.pure.viscosity_m2_s = self.viscosity_m2_s;
         self.forget_thickness();
+        if self.viscosity_m2_s > 0.0 {
+            self.make_viscous();
+        }
         Ok(())
     }
 

@@ -45,6 +45,16 @@ impl Poisson {
         Self { modal, room }
     }
 
+    /// Work space, free between two solutions.
+    pub fn room(&mut self) -> &mut Room {
+        &mut self.room
+    }
+
+    /// Memory that it takes, work space and all.
+    pub fn bytes(&self) -> usize {
+        self.modal.bytes() + self.room.modes.bytes() + self.room.scratch.bytes()
+    }
+
     /// Solves in place: `psi` is a padded array that comes in as the right-hand side.
     pub fn solve_in_place(&mut self, pool: &Pool, simd: SimdClass, psi: &mut Field) {
         self.modal.solve_in_place(pool, simd, &mut self.room, psi);
@@ -120,6 +130,11 @@ impl Modal {
         let mut modal = Self { layout: *layout, unknowns, x, y, z, plane, shift: f64::NAN };
         modal.set_shift(0.0);
         modal
+    }
+
+    /// Memory that the tables take; those of x and y are small.
+    pub fn bytes(&self) -> usize {
+        self.z.bytes()
     }
 
     /// Makes `shift` that of the system; 0 or more.

@@ -17,7 +17,7 @@ use crate::{
         field::{FaceRuns, Field, Layout, Run, Star, Vector, components, cut, cut_mut},
         ghosts::{Fill, Ghosts},
         krylov::Operator,
-        poisson::Poisson,
+        poisson::{Poisson, Room},
         survey::{Survey, survey_plane},
     },
 };
@@ -73,6 +73,22 @@ impl Projection {
             projection.make_room();
         }
         projection
+    }
+
+    /// Work space of the direct solver, free between two projections.
+    pub fn room(&mut self) -> &mut Room {
+        self.poisson.room()
+    }
+
+    /// Memory that it takes.
+    pub fn bytes(&self) -> usize {
+        let krylov = self.krylov.iter().flatten().map(Field::bytes).sum::<usize>();
+        self.poisson.bytes() + self.psi.bytes() + krylov
+    }
+
+    /// True if no iterations are needed, but for densities that differ much.
+    pub fn is_direct(&self) -> bool {
+        self.krylov.is_none()
     }
 
     /// Makes room for what the direct solver alone cannot solve.

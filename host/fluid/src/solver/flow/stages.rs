@@ -11,7 +11,7 @@ use crate::solver::flow::{
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
     pressure::Prediction,
     step::Part,
-    viscous::implicit_share,
+    viscous::{Viscous, implicit_share},
     walls::{Weights, correct, hold},
 };
 
@@ -126,6 +126,7 @@ impl Flow {
     /// One multistep part with viscosity implicit (Van Kan 1986): what it changes is solved
     /// for with the last pressure, which the projection then corrects. Returns the iterations.
     pub(super) fn relax(&mut self, part: Part) -> u32 {
+        self.make_viscous();
         if !self.has_prediction(part) {
             self.forget_pressure();
         }
@@ -169,7 +170,16 @@ impl Flow {
             return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
         }
         ghosts.fill(out, Fill::Difference);
-        self.viscous.solve(on, ghosts, (theta * number) as f32, out, velocity)
+        let Some(viscous) = &mut self.viscous else { return 0 };
+        let room = self.projection.room();
+        viscous.solve(on, ghosts, room, (theta * number) as f32, out, velocity)
+    }
+
+    /// Prepares to solve for thick liquid.
+    pub(super) fn make_viscous(&mut self) {
+        let Self { layout, faces, ghosts, projection, .. } = self;
+        let make = || Viscous::new(layout, faces, ghosts, projection.room());
+        self.viscous.get_or_insert_with(make);
     }
 
     /// Adds what viscosity alone does in `dt_s`. Returns the iterations.
@@ -178,8 +188,9 @@ impl Flow {
         if number == 0.0 {
             return 0;
         }
+        self.make_viscous();
         let theta = implicit_share(number);
-        let Self { faces, ghosts, velocity, stage: [rhs, _], viscous, pool, simd, .. } = self;
+        let Self { faces, ghosts, velocity, stage: [rhs, _], pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         // What was traced or pushed need not stick to a side yet. A ghost on a parabola would call
         // for more than what is solved for can give, and the flow would swing beyond rest.
@@ -189,8 +200,10 @@ impl Flow {
             thick.prepare(on, velocity, dt_s as f32, rhs);
             return thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity);
         }
+        let Some(viscous) = &mut self.viscous else { return 0 };
         viscous.set_rhs(on, velocity, rhs, number as f32);
-        viscous.solve(on, ghosts, (theta * number) as f32, rhs, velocity)
+        let room = self.projection.room();
+        viscous.solve(on, ghosts, room, (theta * number) as f32, rhs, velocity)
     }
 
     /// One part in three stages, explicit throughout.

@@ -59,7 +59,7 @@ impl Flow {
             self.survey = Some(before);
             return Ok(self.report_of_rest(before));
         }
-        let plan = self.plan(dt_s, before);
+        let plan = self.plan_step(dt_s, before);
         let mut report =
             StepReport { substeps: plan.parts, scheme: plan.scheme, ..StepReport::at_rest() };
         self.pressure.share = plan.trend_share;
@@ -94,7 +94,7 @@ impl Flow {
         survey
     }
 
-    fn plan(&self, dt_s: f64, before: Survey) -> Plan {
+    fn plan_step(&self, dt_s: f64, before: Survey) -> Plan {
         let spacing_m = f64::from(self.grid.spacing_m);
         let scale = self.force_scale[0].abs().max(self.force_scale[1].abs());
         let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale)

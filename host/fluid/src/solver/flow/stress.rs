@@ -28,11 +28,11 @@ const LEAST_SHARE: f32 = 1e-12;
 pub struct Stress {
     layout: Layout,
     /// 2 mu of cells.
-    cell: Field,
+    pub(super) cell: Field,
     /// mu of the edges along each axis, at the lower corner of the cell.
-    edge: Vector,
+    pub(super) edge: Vector,
     /// Where walls cut faces; `None` in a box.
-    cut: Option<CutWeights>,
+    pub(super) cut: Option<CutWeights>,
     /// Inertia of each face, per density of the flow; 0 where nothing moves by itself.
     pub inertia: Vector,
     /// No mode decays faster.
@@ -40,11 +40,11 @@ pub struct Stress {
 }
 
 /// The same where walls leave less than whole areas.
-struct CutWeights {
-    cell: [Field; 3],
+pub(super) struct CutWeights {
+    pub(super) cell: [Field; 3],
     /// By the axis of the edge: of the component along the next axis, and along the one after.
-    along: [[Field; 2]; 3],
-    drag: Vector,
+    pub(super) along: [[Field; 2]; 3],
+    pub(super) drag: Vector,
 }
 
 /// The three axes from one on.

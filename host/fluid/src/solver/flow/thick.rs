@@ -12,6 +12,7 @@ use crate::solver::flow::{
     faces::Faces,
     field::{Layout, Run, Vector, components, cut, cut_mut},
     ghosts::{Fill, Ghosts},
+    inventory::bytes,
     stress::Stress,
 };
 
@@ -34,6 +35,12 @@ pub struct Thick {
 }
 
 impl Thick {
+    /// Memory that it takes.
+    pub fn bytes(&self) -> usize {
+        let work = self.direction.iter().chain(&self.product).chain(&self.inverse);
+        self.stress.bytes() + bytes(work)
+    }
+
     /// For the liquid in these faces.
     pub fn new(layout: &Layout, faces: &Faces) -> Self {
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];

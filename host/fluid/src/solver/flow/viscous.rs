@@ -15,7 +15,7 @@
 use crate::solver::flow::{
     engine::Engine,
     faces::{Faces, VesselFaces},
-    field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut},
+    field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut, vector_bytes},
     ghosts::{Fill, Ghosts},
     poisson::{Modal, Room},
 };
@@ -43,30 +43,41 @@ pub struct Viscous {
 
 enum Method {
     /// One system for each component that has room to change.
-    Direct(Vec<(usize, Modal)>, Room),
+    Direct(Vec<(usize, Modal)>),
     /// Search direction, and the matrix times it.
     Gradients([Vector; 2]),
 }
 
 impl Viscous {
-    /// For the liquid that `faces` describe, between the sides of `ghosts`; directly on
-    /// `threads` threads at most.
-    pub fn new(layout: &Layout, faces: &Faces, ghosts: &Ghosts, threads: usize) -> Self {
+    /// For the liquid that `faces` describe, between the sides of `ghosts`; it is to be solved for
+    /// in `room`.
+    pub fn new(layout: &Layout, faces: &Faces, ghosts: &Ghosts, room: &mut Room) -> Self {
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
         let method = if !faces.is_box || ghosts.is_any_free() {
             Method::Gradients([vector(), vector()])
         } else {
-            let mut room = Room::new(threads);
             let component = |c| {
                 let (unknowns, ends) = ghosts.unknown_changes(c)?;
                 let modal = Modal::new(layout, unknowns, ends);
                 room.make_for(&modal);
                 Some((c, modal))
             };
-            let modals = (0..3).filter_map(component).collect();
-            Method::Direct(modals, room)
+            Method::Direct((0..3).filter_map(component).collect())
         };
         Self { layout: *layout, method }
+    }
+
+    /// True if no iterations are needed.
+    pub fn is_direct(&self) -> bool {
+        matches!(self.method, Method::Direct(_))
+    }
+
+    /// Memory that it takes.
+    pub fn bytes(&self) -> usize {
+        match &self.method {
+            Method::Direct(modals) => modals.iter().map(|(_, modal)| modal.bytes()).sum(),
+            Method::Gradients(krylov) => krylov.iter().map(vector_bytes).sum(),
+        }
     }
 
     /// rhs = -a D u, the change that viscosity alone would make of `velocity`, a = nu dt / h^2.
@@ -83,6 +94,7 @@ impl Viscous {
         &mut self,
         on: Engine<'_>,
         ghosts: &Ghosts,
+        room: &mut Room,
         s: f32,
         rhs: &mut Vector,
         velocity: &mut Vector,
@@ -90,7 +102,7 @@ impl Viscous {
         let layout = &self.layout;
         let iterations = match &mut self.method {
             Method::Gradients(krylov) => iterate(on, layout, ghosts, s, krylov, rhs, velocity),
-            Method::Direct(modals, room) => {
+            Method::Direct(modals) => {
                 // As (1/s + D) (s change) = rhs.
                 for (c, modal) in modals.iter_mut().filter(|_| s > 0.0) {
                     modal.set_shift(1.0 / f64::from(s));
@@ -262,7 +274,8 @@ mod tests {
             let faces = Faces::new(&layout, &grid, &Vessel::Box, sides, Walls::FreeSlip);
             let (ghosts, vector) = (Ghosts::new(&layout, sides), || [0; 3].map(|_| layout.zeros()));
             let on = Engine { pool: &pool, simd, faces: &faces };
-            let mut viscous = Viscous::new(&layout, &faces, &ghosts, pool.threads());
+            let mut room = Room::new(pool.threads());
+            let mut viscous = Viscous::new(&layout, &faces, &ghosts, &mut room);
             for s in [1e-3f32, 2.0, 1e4] {
                 let (mut rhs, mut change, mut back) = (vector(), vector(), vector());
                 for (c, (i, j, k)) in (0..3).flat_map(|c| cells(size).map(move |cell| (c, cell))) {
@@ -272,7 +285,7 @@ mod tests {
                 }
                 ghosts.fill(&mut rhs, Fill::Difference);
                 let asked = rhs.each_ref().map(|field| field.to_vec());
-                assert_eq!(viscous.solve(on, &ghosts, s, &mut rhs, &mut change), 0);
+                assert_eq!(viscous.solve(on, &ghosts, &mut room, s, &mut rhs, &mut change), 0);
                 ghosts.fill(&mut change, Fill::Difference);
                 apply(on, &layout, components(&change), &mut back, [1.0, s]);
                 for (c, (i, j, k)) in (0..3).flat_map(|c| cells(size).map(move |cell| (c, cell))) {

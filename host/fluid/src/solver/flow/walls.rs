@@ -78,6 +78,11 @@ impl Weights {
 }
 
 impl WallFaces {
+    /// Memory that they take.
+    pub fn bytes(&self) -> usize {
+        self.faces.iter().map(|faces| size_of_val(&**faces)).sum()
+    }
+
     /// For the faces that are `open` in `area`; `depth` is that below a wall that
     /// the liquid sticks to.
     pub fn new(layout: &Layout, open: &Vector, area: &Vector, depth: Option<Depth>) -> Self {

@@ -77,6 +77,11 @@ impl Columns {
         }
     }
 
+    /// Memory that the pivots take.
+    pub fn bytes(&self) -> usize {
+        self.inverse_pivots.bytes()
+    }
+
     /// Factor to scale the right-hand side by.
     pub fn scale(&self) -> f32 {
         if self.is_folded { 0.5 } else { 1.0 }
