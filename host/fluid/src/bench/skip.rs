@@ -13,7 +13,7 @@ use super::{
 };
 use crate::solver::{
     Refused, Setup, SetupError, Side, Sides, Solver,
-    flow::{Flow, Medium},
+    flow::{Flow, Looks, Medium},
 };
 use crate::substance::{Properties, Substances};
 
@@ -108,10 +108,14 @@ fn plume(options: &Options) -> Result<(f64, f64, Params), SetupError> {
 /// What a scene may have, at `n` cells.
 type Feature = fn(usize, &Options) -> Result<(Flow, Option<Substances>), SetupError>;
 
-const FEATURES: [(&str, Feature); 9] = [
+const FEATURES: [(&str, Feature); 10] = [
     ("inviscid", |n, options| plain(n, 0.0, options)),
     ("viscosity", |n, options| plain(n, VISCOSITY_M2_S, options)),
-    ("thick", |n, options| plain(n, 10.0, options)),
+    ("thick", |n, options| {
+        let (mut flow, _) = plain(n, 1.0, options)?;
+        flow.set_force(&|p| 20.0 * manufactured(p))?;
+        Ok((flow, None))
+    }),
     ("walls", |n, options| Ok((stirred(&bowl(n, VISCOSITY_M2_S, options))?, None))),
     ("body-force", |n, options| {
         let (mut flow, _) = plain(n, 0.0, options)?;
@@ -122,6 +126,11 @@ const FEATURES: [(&str, Feature); 9] = [
         let setup = cube(n, 0.0, Sides::all(Side::FreeSlip), options);
         let substances = dyed(&setup, |p| 0.2 + 0.1 * (9.0 * p.x).sin() * (7.0 * p.y).cos())?;
         Ok((stirred(&setup)?, Some(substances)))
+    }),
+    ("looks", |n, options| {
+        let (mut flow, _) = plain(n, 0.0, options)?;
+        flow.set_looks(Looks { confinement_per_s: 1.0, smagorinsky: 0.1 })?;
+        Ok((flow, None))
     }),
     ("buoyancy", |n, options| made_of(n, options, |x| (1000.0 + 50.0 * x, VISCOSITY_M2_S))),
     ("unlike-viscosities", |n, options| made_of(n, options, |x| (1000.0, 1e-3 * 1e3f64.powf(x)))),

@@ -21,6 +21,7 @@ impl Flow {
         let momentum =
             vector_bytes(&self.velocity) + self.stage.iter().map(vector_bytes).sum::<usize>();
         let prediction = self.pressure.next.bytes() + self.pressure.trend.bytes();
+        let looks = self.looks.as_ref().map(|looking| looking.bytes());
         let is_direct = self.projection.is_direct();
         let mixture = self.mixture.as_deref().or(self.spare_mixture.as_deref());
         let [gravity, friction, weight] = mixture.map_or([None; 3], Mixture::bytes);
@@ -34,6 +35,7 @@ impl Flow {
             Item::on("cells and faces", "open or closed", self.faces.bytes()),
             Item::if_any("walls", vessel.map(|v| ("cut cells", v.bytes()))),
             Item::if_any("body force", force.map(|bytes| ("given by the caller", bytes))),
+            Item::if_any("looks", looks.map(|bytes| ("confinement, sub-grid viscosity", bytes))),
             Item::if_any(
                 "viscosity",
                 self.viscous.as_ref().map(|viscous| {

@@ -13,6 +13,7 @@ pub(crate) mod field;
 mod ghosts;
 mod inventory;
 mod krylov;
+mod looks;
 mod medium;
 mod momentum;
 mod poisson;
@@ -27,7 +28,7 @@ mod trace;
 mod viscous;
 mod walls;
 
-pub use self::medium::Medium;
+pub use self::{looks::Looks, medium::Medium};
 
 use std::sync::Arc;
 
@@ -39,6 +40,7 @@ use self::{
     faces::{Faces, cells},
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
+    looks::Looking,
     medium::{Mixture, sound_gravity, working},
     pressure::{Prediction, Projection, Telling, masses},
     stages::History,
@@ -111,6 +113,7 @@ pub struct Flow {
     pressure_dt_s: f64,
     projection: Projection,
     force: Option<Force>,
+    looks: Option<Box<Looking>>,
     force_scale: [f64; 2],
     /// What is known of `velocity`; `None` once it was changed from outside.
     survey: Option<Survey>,
@@ -165,6 +168,7 @@ impl Flow {
             pressure_dt_s: 0.0,
             projection: Projection::new(&layout, &faces, &ghosts, &setup.pool),
             force: None,
+            looks: None,
             force_scale: [1.0; 2],
             survey: None,
             excess_m2_s2: 0.0,

@@ -51,6 +51,7 @@ impl Flow {
     /// See [`crate::solver::Solver::step`].
     pub(super) fn advance(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
         check_step(dt_s)?;
+        self.dress(dt_s);
         if self.survey.is_none() {
             self.set_drive();
         }
