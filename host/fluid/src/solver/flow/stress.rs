@@ -320,27 +320,30 @@ impl Stress {
         });
     }
 
+    /// The weights of the edges below and above faces of component `c` along `d`.
+    #[inline(always)]
+    fn across(&self, c: usize, d: usize, at: usize, len: usize) -> Across<'_> {
+        let axis = 3 - c - d;
+        let is_next = usize::from(from_axis(axis)[1] != c);
+        let along = match &self.cut {
+            Some(weights) => &weights.along[axis][is_next],
+            None => &self.edge[axis],
+        };
+        let high = at + self.layout.strides()[d];
+        Across {
+            along: (cut(along, at, len), cut(along, high, len)),
+            both: (cut(&self.edge[axis], at, len), cut(&self.edge[axis], high, len)),
+        }
+    }
+
     #[inline(always)]
     fn rows(&self, c: usize, at: usize, len: usize) -> Rows<'_> {
         let strides = self.layout.strides();
         let cell = self.cut.as_ref().map_or(&self.cell, |weights| &weights.cell[c]);
         let [_, next, after] = from_axis(c);
-        let across = |d: usize| {
-            let axis = 3 - c - d;
-            let is_next = usize::from(from_axis(axis)[1] != c);
-            let along = match &self.cut {
-                Some(weights) => &weights.along[axis][is_next],
-                None => &self.edge[axis],
-            };
-            let (low, high) = (at, at + strides[d]);
-            Across {
-                along: (cut(along, low, len), cut(along, high, len)),
-                both: (cut(&self.edge[axis], low, len), cut(&self.edge[axis], high, len)),
-            }
-        };
         Rows {
             cell: (cut(cell, at - strides[c], len), cut(cell, at, len)),
-            across: [across(next), across(after)],
+            across: [self.across(c, next, at, len), self.across(c, after, at, len)],
             drag: self.cut.as_ref().map(|weights| cut(&weights.drag[c], at, len)),
         }
     }
@@ -359,6 +362,17 @@ struct Rows<'a> {
 struct Across<'a> {
     along: (&'a [f32], &'a [f32]),
     both: (&'a [f32], &'a [f32]),
+}
+
+impl Across<'_> {
+    /// What one component loses across both edges, of which it is at `ends`, the other `v` on both
+    /// sides of each.
+    #[inline(always)]
+    fn shear(&self, i: usize, here: f32, ends: (&[f32], &[f32]), v: &[&[f32]; 4]) -> f32 {
+        let below = self.along.0[i] * (here - ends.0[i]) + self.both.0[i] * (v[0][i] - v[1][i]);
+        let above = self.along.1[i] * (ends.1[i] - here) + self.both.1[i] * (v[2][i] - v[3][i]);
+        below - above
+    }
 }
 
 impl Rows<'_> {
@@ -406,32 +420,37 @@ impl Rows<'_> {
         let own = Star::new(layout, u[C], at, len);
         let [_, d, e] = from_axis(C);
         let ends = [own.x, own.y, own.z];
-        // The other component on both sides of the edges below and above.
-        let other = |d: usize| {
-            let (low, high, back) = (at, at + strides[d], strides[C]);
-            let v = u[d];
-            [cut(v, low, len), cut(v, low - back, len), cut(v, high, len), cut(v, high - back, len)]
-        };
         let (d_ends, e_ends, c_ends) = (ends[d], ends[e], ends[C]);
-        let (d_other, e_other) = (other(d), other(e));
+        let (d_other, e_other) =
+            (both_sides(layout, C, d, u[d], at, len), both_sides(layout, C, e, u[e], at, len));
         let [d_weights, e_weights] = &self.across;
         for i in 0..len {
             let here = own.here[i];
-            let shear = |w: &Across<'_>, ends: (&[f32], &[f32]), v: &[&[f32]; 4]| {
-                let below = w.along.0[i] * (here - ends.0[i]) + w.both.0[i] * (v[0][i] - v[1][i]);
-                let above = w.along.1[i] * (ends.1[i] - here) + w.both.1[i] * (v[2][i] - v[3][i]);
-                below - above
-            };
             let normal =
                 self.cell.0[i] * (here - c_ends.0[i]) - self.cell.1[i] * (c_ends.1[i] - here);
-            let mut sum =
-                normal + shear(d_weights, d_ends, &d_other) + shear(e_weights, e_ends, &e_other);
+            let mut sum = normal
+                + d_weights.shear(i, here, d_ends, &d_other)
+                + e_weights.shear(i, here, e_ends, &e_other);
             if CUT {
                 sum += drag[i] * here;
             }
             visit(i, sum);
         }
     }
+}
+
+/// Component `d` of a velocity, before and behind the edges below and above faces of component `c`.
+#[inline(always)]
+fn both_sides<'a>(
+    layout: &Layout,
+    c: usize,
+    d: usize,
+    v: &'a [f32],
+    at: usize,
+    len: usize,
+) -> [&'a [f32]; 4] {
+    let (high, back) = (at + layout.strides()[d], layout.strides()[c]);
+    [cut(v, at, len), cut(v, at - back, len), cut(v, high, len), cut(v, high - back, len)]
 }
 
 #[cfg(test)]
