@@ -7,9 +7,9 @@ use crate::solver::{
         carry::Carriage,
         engine::Engine,
         ghosts::Fill,
-        medium::working,
+        mixture::working,
         pressure::Projected,
-        schedule::{Plan, plan},
+        schedule::{Plan, plan, plan_stress},
         survey::Survey,
         within,
     },
@@ -102,9 +102,12 @@ impl Flow {
             + self.mixture.as_ref().map_or(0.0, |mixture| mixture.largest_m_s2);
         let speed_m_s = before.speed_m_s.max(self.side_speed_m_s) + pull * dt_s;
         let cfl = speed_m_s * dt_s / spacing_m;
-        // Between two projections friction that differs acts on gradients, too: twice as fast.
-        let stiffest = if self.thick_per_s().is_some() { 24.0 } else { 12.0 };
-        plan(cfl, stiffest * self.diffusion_number(dt_s), self.forced)
+        let number = self.diffusion_number(dt_s);
+        // Between two projections stresses act on gradients, too: twice as fast.
+        match self.thick_per_s() {
+            Some(_) => plan_stress(cfl, 24.0 * number, self.forced),
+            None => plan(cfl, 12.0 * number, self.forced),
+        }
     }
 
     fn part(&self, dt_s: f64, plan: Plan, index: u32) -> Part {

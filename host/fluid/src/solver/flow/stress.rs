@@ -416,7 +416,6 @@ impl Rows<'_> {
         drag: &[f32],
         mut visit: impl FnMut(usize, f32),
     ) {
-        let strides = layout.strides();
         let own = Star::new(layout, u[C], at, len);
         let [_, d, e] = from_axis(C);
         let ends = [own.x, own.y, own.z];
@@ -424,8 +423,7 @@ impl Rows<'_> {
         let (d_other, e_other) =
             (both_sides(layout, C, d, u[d], at, len), both_sides(layout, C, e, u[e], at, len));
         let [d_weights, e_weights] = &self.across;
-        for i in 0..len {
-            let here = own.here[i];
+        for (i, here) in own.here.iter().copied().enumerate() {
             let normal =
                 self.cell.0[i] * (here - c_ends.0[i]) - self.cell.1[i] * (c_ends.1[i] - here);
             let mut sum = normal
