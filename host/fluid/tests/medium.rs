@@ -3,8 +3,9 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use cauldron_fluid::{
-    Grid, Vessel,
+    Grid, Pot, Vessel,
     pool::Pool,
+    scenes,
     simd::SimdClass,
     solver::{
         Scheme, Setup, Side, Sides, Solver, Walls,
@@ -392,4 +393,31 @@ fn a_push_into_what_is_heavy_gives_the_momentum_that_it_reports() {
     let light_kg = flow.effective_mass_kg(Vec3::new(0.25, 0.5, 0.5), 0.15);
     let heavy_kg = flow.effective_mass_kg(Vec3::new(0.75, 0.5, 0.5), 0.15);
     assert!((heavy_kg / light_kg / 100.0 - 1.0).abs() < 0.01, "{heavy_kg} {light_kg}");
+}
+
+#[test]
+fn what_is_poured_into_a_pot_sinks_if_it_is_heavier_and_floats_if_it_is_lighter() {
+    let height_m = |text: &str| {
+        let mut scene = scenes::read("pot.toml", text).expect("a scene");
+        scene.regrid(16);
+        let mut pot =
+            Pot::new(&scene, Arc::new(Pool::inline()), SimdClass::detect()).expect("a pot");
+        for step in 0..40 {
+            pot.pour(u8::from(step < 10), 0.01);
+            pot.step(0.01);
+        }
+        assert_eq!(pot.totals().guard_actions, 0, "{text}");
+        let mut fraction = vec![0.0; pot.grid().len()];
+        pot.substances().expect("some").copy_fraction(0, &mut fraction);
+        let centre = |at: usize| pot.grid().centre_in_world_m(0, at / 16 % 16, 0).y;
+        let moment: f32 = fraction.iter().enumerate().map(|(at, f)| f * centre(at)).sum();
+        moment / fraction.iter().sum::<f32>()
+    };
+    let of = |key: &str| height_m(&format!("[[substance]]\n{key}\n"));
+    let (alike, thick) = (of("density_kg_m3 = 1000"), of("viscosity_m2_s = 2e-2"));
+    assert_eq!(alike, thick, "nothing moves them");
+    for (heavy, light) in [(1090.0, 910.0), (2500.0, 400.0)] {
+        let of = |density: f64| of(&format!("density_kg_m3 = {density}"));
+        assert!(of(heavy) < alike - 0.005 && of(light) > alike + 0.005, "{heavy} {light} {alike}");
+    }
 }

@@ -22,7 +22,7 @@ const MAX_STEP_S: f64 = 1e3;
 /// it: the error of the work integral and of f32 sums.
 const GUARD_SLACK: f64 = 1e-3;
 
-/// Part by which the work on what weighs may be more: the books know it to the first order in the
+/// Part by which the work on a mixture may be more: the books know it to the first order in the
 /// step, in which density and velocity are carried one after the other.
 const WORK_SLACK: f64 = 0.05;
 
@@ -161,11 +161,11 @@ impl Flow {
         let scale = 0.5 * (self.force_scale[0] + self.force_scale[1]);
         let push_s = if self.mixture.is_some() { dt_s } else { dt_s * scale };
         let mean_m2_s3 = 0.5 * (before.power_m2_s3 + after.power_m2_s3);
-        // What weighs is carried, and falls, with the velocity after the step.
-        let is_weighty = self.mixture.as_ref().is_some_and(|mixture| mixture.weight().is_some());
-        let power_m2_s3 = match is_weighty {
-            true => mean_m2_s3.max(after.power_m2_s3) + WORK_SLACK * mean_m2_s3.abs(),
-            false => mean_m2_s3,
+        // What is heavier is carried, and falls, with the velocity after the step; a multistep
+        // part follows what is poured to its middle.
+        let power_m2_s3 = match &self.mixture {
+            Some(_) => mean_m2_s3.max(after.power_m2_s3) + WORK_SLACK * mean_m2_s3.abs(),
+            None => mean_m2_s3,
         };
         let work = push_s * power_m2_s3;
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
