@@ -44,6 +44,8 @@ pub const NAMES: &[&str] = &[
     "equal-time",
     "frame-box",
     "frame-bowl",
+    "frame-thick",
+    "frame-dense",
 ];
 
 /// Solvers of the quick run.
