@@ -244,14 +244,18 @@ impl Flow {
     }
 
     fn range(&self, field: &Field) -> Range {
-        let mut range = Range { least: f32::INFINITY, most: 0.0 };
-        for (i, j, k) in cells(self.layout.cells) {
-            let at = self.layout.index(i, j, k);
-            if self.faces.liquid[at] > 0.0 {
-                range.least = range.least.min(field[at]);
-                range.most = range.most.max(field[at]);
-            }
-        }
-        range
+        // Bits of positive floats are in their order, and extremes of integers are vector code.
+        let (mut least, mut most) = (f32::INFINITY.to_bits(), 0);
+        self.simd.vectorize(
+            #[inline(always)]
+            || {
+                for (value, liquid) in field.iter().zip(self.faces.liquid.iter()) {
+                    let bits = value.to_bits();
+                    least = least.min(if *liquid > 0.0 { bits } else { u32::MAX });
+                    most = most.max(if *liquid > 0.0 { bits } else { 0 });
+                }
+            },
+        );
+        Range { least: f32::from_bits(least), most: f32::from_bits(most) }
     }
 }
