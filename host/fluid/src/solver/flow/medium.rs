@@ -94,6 +94,22 @@ impl Flow {
     /// act through its gravity alone (Boussinesq 1903); beyond, they weigh in the pressure, too, and
     /// what is lighter than a thousandth of the densest counts as that. Viscosities that differ
     /// are solved for as stresses. A medium that is the same everywhere costs nothing.
+    /// ```
+    /// use cauldron_fluid::{Grid, Vessel, solver::{Setup, Solver, flow::{Flow, Medium}}};
+    /// use glam::Vec3;
+    ///
+    /// let gravity_m_s2 = Vec3::new(0.0, -9.81, 0.0);
+    /// let setup = Setup { gravity_m_s2, ..Setup::new(Grid::unit_cube(8), Vessel::Box) };
+    /// let mut flow = Flow::new(&setup)?;
+    /// flow.set_medium(&|p| match p.x < 0.5 {
+    ///     true => Medium { density_kg_m3: 1400.0, viscosity_m2_s: 7e-3 },
+    ///     false => Medium { density_kg_m3: 1000.0, viscosity_m2_s: 1e-6 },
+    /// })?;
+    /// flow.step(0.01)?;
+    /// assert!(flow.velocity_at(Vec3::new(0.1, 0.5, 0.5)).y < 0.0, "honey sinks");
+    /// assert!(flow.velocity_at(Vec3::new(0.9, 0.5, 0.5)).y > 0.0, "water gives way");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`Refused`] if a density is not above 0, a viscosity negative, or either not finite or above
