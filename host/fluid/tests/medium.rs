@@ -1,9 +1,12 @@
 //! Liquids that are not the same everywhere, against closed forms.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Arc};
 
 use cauldron_fluid::{
-    Grid, Vessel,
+    Grid, Pot, Vessel,
+    pool::Pool,
+    scenes,
+    simd::SimdClass,
     solver::{
         Scheme, Setup, Side, Sides, Solver, Walls,
         flow::{Flow, Medium},
@@ -320,5 +323,101 @@ fn a_heavy_blob_falls_and_never_gains_more_than_it_falls_by() {
         assert!(flow.kinetic_energy_j().is_finite() && lowest < 0.99);
         assert!(worst < 1.1, "{ratio}: {worst}");
         assert!(ratio > 100.0 || guard_actions == 0, "{ratio}: {guard_actions}");
+    }
+}
+
+#[test]
+fn bits_depend_on_neither_threads_nor_the_width_of_a_wide_class() {
+    let run = |threads, simd, vessel: &Vessel, dt_s| {
+        let pool = Arc::new(Pool::new(threads, false));
+        let setup = Setup { pool, simd, walls: Walls::NoSlip, ..heavy(17, vessel.clone()) };
+        let mut flow = Flow::new(&setup).expect("a flow");
+        let share =
+            |p: DVec3| 0.5 + 0.5 * (5.0 * p.x).sin() * (4.0 * p.y).cos() * (3.0 * p.z).cos();
+        let medium = |p: DVec3| Medium {
+            density_kg_m3: 1000.0 * (1.0 + 4.0 * share(p)),
+            viscosity_m2_s: 10f64.powf(4.0 * share(p) - 4.0),
+        };
+        flow.set_medium(&medium).expect("in range");
+        flow.set_force(&|p| DVec3::new(p.y, -p.x, 0.3)).expect("finite");
+        (0..5).for_each(|_| assert_eq!(flow.step(dt_s).expect("in range").guard_actions, 0));
+        let mut bits = Vec::new();
+        flow.visit(&mut |_, _, value| bits.push(value.to_bits()));
+        bits
+    };
+    let widest = SimdClass::detect();
+    for vessel in [Vessel::Box, pot()] {
+        for dt_s in [1e-3, 0.05] {
+            let one = run(1, widest, &vessel, dt_s);
+            assert!(one.iter().any(|bits| *bits != 0));
+            assert!(one == run(3, widest, &vessel, dt_s));
+            assert!(one == run(1, widest.min(SimdClass::Avx2), &vessel, dt_s));
+            let portable = SimdClass::Portable;
+            assert!(run(1, portable, &vessel, dt_s) == run(2, portable, &vessel, dt_s));
+        }
+    }
+}
+
+#[test]
+fn what_gravity_and_substances_make_of_a_liquid_is_undone_with_them() {
+    let grid = Grid::unit_cube(8);
+    let (mut flow, mut substances) = with_substance(grid, 5.0);
+    // Nothing of it is there yet.
+    flow.set_mixture(&substances);
+    assert!(flow.step(0.01).expect("in range").asleep);
+    substances.set_fraction(0, |p| if p.x < 0.5 { 0.5 } else { 0.0 }).expect("a fraction");
+    flow.set_mixture(&substances);
+    assert!(flow.step(0.01).expect("in range").kinetic_energy_j > 0.0);
+    flow.set_gravity_m_s2(Vec3::ZERO).expect("finite");
+    flow.set_velocity(&|_| DVec3::ZERO).expect("finite");
+    assert!(flow.step(0.01).expect("in range").asleep);
+    substances.clear();
+    flow.set_gravity_m_s2(Vec3::NEG_Y).expect("finite");
+    flow.set_mixture(&substances);
+    assert!(flow.step(0.01).expect("in range").asleep);
+    assert!((flow.cell_mass_kg() - 1000.0 / 512.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_push_into_what_is_heavy_gives_the_momentum_that_it_reports() {
+    let mut flow = Flow::new(&heavy(12, pot())).expect("a flow");
+    flow.set_medium(&|p| inviscid(if p.x < 0.5 { 1000.0 } else { 1e5 })).expect("in range");
+    for at in [Vec3::new(0.3, 0.5, 0.5), Vec3::new(0.5, 0.4, 0.5), Vec3::new(0.7, 0.5, 0.5)] {
+        let impulse = DVec3::new(3.0, -2.0, 5.0);
+        let before = flow.momentum_n_s();
+        let reported = flow.push(at, 0.2, impulse).expect("finite");
+        let measured = flow.momentum_n_s() - before;
+        assert!((reported - measured).length() < 1e-9, "{reported} {measured}");
+        assert!((reported - impulse).length() < 1e-5 * impulse.length(), "{reported}");
+    }
+    let light_kg = flow.effective_mass_kg(Vec3::new(0.25, 0.5, 0.5), 0.15);
+    let heavy_kg = flow.effective_mass_kg(Vec3::new(0.75, 0.5, 0.5), 0.15);
+    assert!((heavy_kg / light_kg / 100.0 - 1.0).abs() < 0.01, "{heavy_kg} {light_kg}");
+}
+
+#[test]
+fn what_is_poured_into_a_pot_sinks_if_it_is_heavier_and_floats_if_it_is_lighter() {
+    let height_m = |text: &str| {
+        let mut scene = scenes::read("pot.toml", text).expect("a scene");
+        scene.regrid(16);
+        let mut pot =
+            Pot::new(&scene, Arc::new(Pool::inline()), SimdClass::detect()).expect("a pot");
+        for step in 0..40 {
+            pot.pour(u8::from(step < 10), 0.01);
+            pot.step(0.01);
+        }
+        assert_eq!(pot.totals().guard_actions, 0, "{text}");
+        let mut fraction = vec![0.0; pot.grid().len()];
+        pot.substances().expect("some").copy_fraction(0, &mut fraction);
+        let centre = |at: usize| pot.grid().centre_in_world_m(0, at / 16 % 16, 0).y;
+        let moment: f32 = fraction.iter().enumerate().map(|(at, f)| f * centre(at)).sum();
+        moment / fraction.iter().sum::<f32>()
+    };
+    let of = |key: &str| height_m(&format!("[[substance]]\n{key}\n"));
+    let (alike, thick) = (of("density_kg_m3 = 1000"), of("viscosity_m2_s = 2e-2"));
+    assert_eq!(alike, thick, "nothing moves them");
+    for (heavy, light) in [(1090.0, 910.0), (2500.0, 400.0)] {
+        let of = |density: f64| of(&format!("density_kg_m3 = {density}"));
+        assert!(of(heavy) < alike - 0.005 && of(light) > alike + 0.005, "{heavy} {light} {alike}");
     }
 }

@@ -45,6 +45,8 @@ pub const NAMES: &[&str] = &[
     "equal-time",
     "frame-box",
     "frame-bowl",
+    "frame-thick",
+    "frame-dense",
     "at-rest",
     "plume",
     "features",

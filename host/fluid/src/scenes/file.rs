@@ -13,6 +13,7 @@
 //! [liquid]
 //! density_kg_m3 = 1420.0
 //! viscosity_m2_s = 7e-3
+//! gravity_m_s2 = 9.81
 //! colour = [0.8, 0.5, 0.1]
 //! [surface]
 //! break_force_n = 0.2
@@ -21,6 +22,8 @@
 //! [feel]
 //! felt_scale = 2.0
 //! [[substance]]
+//! density_kg_m3 = 1100.0
+//! viscosity_m2_s = 1e-4
 //! diffusivity_m2_s = 0.0
 //! [story]
 //! stir = true
@@ -196,6 +199,9 @@ mod tests {
             ("[liquid]\n\nviscosity_m2_s = nan\n", 3, "liquid.viscosity_m2_s = NaN"),
             ("[liquid]\nviscosity_m2_s = -1.0\n", 2, "liquid.viscosity_m2_s = -1"),
             ("step_s = inf\n", 1, "step_s = inf"),
+            ("[liquid]\ngravity_m_s2 = -9.8\n", 2, "liquid.gravity_m_s2 = -9.8"),
+            ("[[substance]]\ndensity_kg_m3 = 0\n", 2, "substance.density_kg_m3 = 0"),
+            ("[[substance]]\nviscosity_m2_s = inf\n", 2, "substance.viscosity_m2_s = inf"),
             ("[feel]\nfelt_scal = 2.0\n", 2, "felt_scal"),
             ("[liquid]\ndensity_kg_m3 = \"thick\"\n", 2, "density_kg_m3: invalid type"),
             ("\n[grid]\ncells = [32, 32]\n", 3, "cells"),

@@ -7,8 +7,8 @@
 //! ```
 //! Nothing but the public API is used. What is asked of each seed:
 //! - every velocity is finite, and none above the crate's cap;
-//! - kinetic energy is never above what it was plus what pushes and forces gave (unless a side
-//!   drives);
+//! - kinetic energy is never above what it was plus what pushes, forces and gravity gave (unless a
+//!   side drives);
 //! - the mass of each substance is what was poured and not drained, to 1e-5 of what was poured (no more than that where liquid can
 //!   leave), and every fraction is from 0 to 1;
 //! - where viscosity acts and nothing drives, the liquid comes to rest (or decays as it has to,

@@ -24,8 +24,11 @@ const SHARE_OF_RATE: f64 = 0.4;
 /// Longest step that a solver accepts.
 const LONGEST_STEP_S: f64 = 1e3;
 
-/// Steps after which a liquid that is too thin to have come to rest is no longer waited for.
+/// Steps after which a liquid that is too thin to have come to rest is no longer waited for ...
 const MOST_STEPS: usize = 200;
+
+/// ... and of how many cells together, or the largest grid would take most of the time.
+const MOST_CELLS: usize = 40_000_000;
 
 /// How a liquid comes to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +37,8 @@ pub struct Decay {
     pub dt_s: f64,
     /// What a step leaves of a velocity, at most.
     pub kept: f64,
+    /// Number of steps that it is waited for.
+    pub most_steps: usize,
 }
 
 impl Decay {
@@ -45,7 +50,9 @@ impl Decay {
         let rate_per_s = SHARE_OF_RATE * least_viscosity_m2_s(case) * wave_per_m.powi(2);
         let dt_s = (1.0 / rate_per_s).min(LONGEST_STEP_S);
         // The implicit Euler step is what damps least of all that are stable.
-        (rate_per_s > 0.0).then(|| Self { dt_s, kept: 1.0 / (1.0 + rate_per_s * dt_s) })
+        let most_steps = MOST_STEPS.min(MOST_CELLS / case.grid.len().max(1));
+        let kept = 1.0 / (1.0 + rate_per_s * dt_s);
+        (rate_per_s > 0.0).then_some(Self { dt_s, kept, most_steps })
     }
 
     /// Steps until nothing is faster than the speed of rest, if the fastest has all of
@@ -55,7 +62,8 @@ impl Decay {
     pub fn steps(&self, energy_j: f64, cell_mass_kg: f64) -> (usize, bool) {
         let fastest_m_s = (2.0 * energy_j / cell_mass_kg).sqrt();
         let needed = 1.0 + (REST_M_S / 3.0 / fastest_m_s).ln() / self.kept.ln();
-        (needed.clamp(1.0, MOST_STEPS as f64).ceil() as usize, needed <= MOST_STEPS as f64)
+        let most = self.most_steps as f64;
+        (needed.clamp(1.0, most).ceil() as usize, needed <= most)
     }
 }
 

@@ -12,7 +12,7 @@ use crate::solver::{
         engine::Engine,
         field::{BLOCK, Vector, components, cut},
         ghosts::Fill,
-        medium::{Pull, accelerating},
+        mixture::{Pull, accelerating},
         pressure::Projected,
         step::check_step,
         survey::Survey,

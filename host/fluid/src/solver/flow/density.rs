@@ -48,18 +48,28 @@ impl Density {
 
     /// Takes the density of all cells, with what lies beyond the sides.
     pub fn set(&mut self, on: Engine<'_>, layout: &Layout, ghosts: &Ghosts, density: &Field) {
-        let strides = layout.strides();
         for c in 0..3 {
             let area = on.faces.vessel.as_ref().map(|vessel| &*vessel.area[c]);
-            let (open, end) = (&on.faces.open[c], layout.plane * (layout.cells[2] + 2));
-            let (mass, lightness) = (&mut self.mass[c], &mut self.lightness[c]);
-            for at in strides[c]..end {
-                let mean = 0.5 * (density[at] + density[at - strides[c]]);
-                let is_open = open[at] > 0.0;
-                mass[at] = area.map_or(open[at], |area| area[at]) * mean;
-                lightness[at] = if is_open { 1.0 / mean } else { 0.0 };
-            }
-            ghosts.wrap_cells(lightness);
+            let (open, stride) = (&*on.faces.open[c], layout.strides()[c]);
+            // Beyond the last plane, too: a side may be open there.
+            let outs = [&mut self.mass[c][layout.plane..], &mut self.lightness[c][layout.plane..]];
+            on.pool.planes(outs, [layout.plane; 2], |k, [mass, lightness]| {
+                let (at, len) = ((k + 1) * layout.plane, layout.plane);
+                let (mass, lightness) = (cut_mut(mass, 0, len), cut_mut(lightness, 0, len));
+                let (here, below) = (cut(density, at, len), cut(density, at - stride, len));
+                let (open, area) = (cut(open, at, len), cut(area.unwrap_or(open), at, len));
+                on.simd.vectorize(
+                    #[inline(always)]
+                    || {
+                        for i in 0..len {
+                            let mean = 0.5 * (here[i] + below[i]);
+                            mass[i] = area[i] * mean;
+                            lightness[i] = if open[i] > 0.0 { 1.0 / mean } else { 0.0 };
+                        }
+                    },
+                );
+            });
+            ghosts.wrap_cells(&mut self.lightness[c]);
             if let (Some(through), Some(area)) = (&mut self.through, area) {
                 let pairs = self.lightness[c].iter().zip(area);
                 through[c]

@@ -6,7 +6,7 @@ use crate::{
         Flow,
         faces::{Faces, VesselFaces},
         field::{Field, vector_bytes},
-        medium::Mixture,
+        mixture::Mixture,
         stress::{CutWeights, Stress},
         thick::Thick,
     },
@@ -78,7 +78,7 @@ impl Stress {
         let of_cut = |cut: &'_ CutWeights| {
             bytes(cut.cell.iter().chain(cut.along.iter().flatten()).chain(&cut.drag))
         };
-        let always = self.edge.iter().chain(&self.inertia).chain([&self.cell]);
+        let always = self.edge.iter().chain(&self.inertia).chain([&self.cell, &self.resistance]);
         bytes(always) + self.cut.as_ref().map_or(0, of_cut)
     }
 }

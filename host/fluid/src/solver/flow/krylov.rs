@@ -16,12 +16,13 @@ use crate::solver::flow::{
     poisson::Poisson,
 };
 
-/// The residual may fall to this part of what it was ...
-const RELATIVE_TOLERANCE: f64 = 1e-5;
+/// The residual may fall to this part of what it was, of liquid of one density and of more: that
+/// falls from rest in every step ...
+const RELATIVE_TOLERANCE: [f64; 2] = [1e-5, 1e-6];
 
 /// ... or, as nothing smaller can be told from the rounding of the velocities, to this part of
 /// the largest speed.
-const SPEED_TOLERANCE: f64 = 3e-6;
+const SPEED_TOLERANCE: [f64; 2] = [3e-6, 1e-6];
 
 /// Iterations at most, of liquid of one density and of more.
 const MAX_ITERATIONS: [usize; 2] = [40, 120];
@@ -72,21 +73,21 @@ impl Engine<'_> {
     /// can be told from rounding. Returns the iterations taken.
     pub fn iterate(
         &self,
-        layout: &Layout,
-        ghosts: &Ghosts,
+        (layout, ghosts): (&Layout, &Ghosts),
         poisson: &mut Poisson,
         operator: Operator<'_>,
         psi: &mut Field,
         [residual, z, p, q]: &mut [Field; 4],
         [square, speed_square]: [f64; 2],
     ) -> u32 {
-        let small = (square * RELATIVE_TOLERANCE * RELATIVE_TOLERANCE)
-            .max(speed_square * SPEED_TOLERANCE * SPEED_TOLERANCE);
+        let differs = usize::from(operator.root.is_some());
+        let small = (square * RELATIVE_TOLERANCE[differs].powi(2))
+            .max(speed_square * SPEED_TOLERANCE[differs].powi(2));
         psi.fill(0.0);
         if square <= small {
             return 0;
         }
-        let most = MAX_ITERATIONS[usize::from(operator.root.is_some())];
+        let most = MAX_ITERATIONS[differs];
         let mut rz = self.precondition(layout, operator, poisson, residual, [z, q]);
         p.copy_from_slice(z);
         ghosts.wrap_cells(p);

@@ -4,8 +4,8 @@
 //! ```text
 //! du/dt = ... + g (rho - rho_level) / rho_0
 //! ```
-//! rho_level being the least density at the same height: what depends on the height alone is the
-//! gradient of a pressure, and liquid in level layers stays at rest to the last bit.
+//! Larger ones weigh in the pressure, too (see [`super::density`]). Where viscosities differ, or large
+//! differences of density make them, friction is that of stresses (see [`super::stress`]).
 
 use glam::{DVec3, Vec3};
 
@@ -13,14 +13,16 @@ use crate::{
     solver::{
         Refused,
         flow::{
-            Flow, Force, MAX_ACCELERATION_M_S2,
+            Flow, MAX_ACCELERATION_M_S2,
             density::Density,
             engine::Engine,
             faces::cells,
-            field::{Field, Layout, Run, Vector, components, cut, cut_mut},
+            field::{Field, Vector},
+            mixture::{Mixture, Pull},
+            pressure::masses,
             thick::Thick,
         },
-        within,
+        not_negative, within,
     },
     substance::{Properties, Substances},
 };
@@ -61,210 +63,11 @@ impl Medium {
     }
 }
 
-/// Liquid that is not the same everywhere. Arrays are padded; densities are per that of the flow.
-pub(super) struct Mixture {
-    /// Density of each cell, and beyond the sides as next to them.
-    pub(super) density: Field,
-    /// Kinematic viscosity of each cell.
-    pub(super) viscosity_m2_s: Field,
-    /// What gravity does at open faces.
-    pub(super) buoyancy_m_s2: Vector,
-    /// Least density at each level along one axis.
-    lightest: Vec<f32>,
-    /// Largest of what gravity does.
-    pub(super) largest_m_s2: f64,
-    /// All that accelerates a stage.
-    pub(super) total_m_s2: Vector,
-    /// The friction of viscosities that differ; as it was when they last did.
-    pub(super) thick: Option<Thick>,
-    is_thick_somewhere: bool,
-    /// What densities weigh that differ too much for gravity alone, and no pressure.
-    pub(super) weight: Option<(Density, Field)>,
-    is_weighty: bool,
-}
-
-/// What pulls at a mixture besides gravity.
-#[derive(Clone, Copy)]
-pub(super) struct Pull<'a> {
-    /// Scale of the force.
-    pub(super) scale: f64,
-    /// The velocity whose friction is part of it, where that differs from place to place.
-    pub(super) slowed: Option<[&'a [f32]; 3]>,
-    /// The pressure whose gradient is part of it, where densities weigh.
-    pub(super) pressure: Option<&'a Field>,
-}
-
-impl Pull<'_> {
-    /// The force alone.
-    pub(super) fn of(scale: f64) -> Self {
-        Self { scale, slowed: None, pressure: None }
-    }
-}
-
-/// What a stage takes.
-pub(super) struct Accelerating<'a> {
-    /// Acceleration to add.
-    pub(super) force: Option<[&'a [f32]; 3]>,
-    /// What stands for the pressure, if that is in the acceleration: zeros.
-    pub(super) pressure: Option<&'a Field>,
-}
-
 /// Least and most over the liquid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Range {
     least: f32,
     most: f32,
-}
-
-impl Mixture {
-    fn new(layout: &Layout) -> Self {
-        let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
-        Self {
-            density: layout.zeros(),
-            viscosity_m2_s: layout.zeros(),
-            buoyancy_m_s2: vector(),
-            lightest: vec![0.0; layout.cells.into_iter().max().unwrap_or(0)],
-            largest_m_s2: 0.0,
-            total_m_s2: vector(),
-            thick: None,
-            is_thick_somewhere: false,
-            weight: None,
-            is_weighty: false,
-        }
-    }
-
-    /// What densities weigh, if they differ too much for gravity alone.
-    pub(super) fn weight(&self) -> Option<&Density> {
-        self.weight.as_ref().filter(|_| self.is_weighty).map(|(density, _)| density)
-    }
-
-    /// The friction, if the viscosity differs from place to place.
-    pub(super) fn thick(&mut self) -> Option<&mut Thick> {
-        self.thick.as_mut().filter(|_| self.is_thick_somewhere)
-    }
-
-    /// No friction that differs from place to place is faster than this; `None` if none does.
-    pub(super) fn stiffness_per_s(&self) -> Option<f64> {
-        let thick = self.thick.as_ref().filter(|_| self.is_thick_somewhere);
-        thick.map(|thick| thick.stress.stiffness_per_s)
-    }
-
-    /// Sets what gravity does to it.
-    fn set_buoyancy(&mut self, layout: &Layout, open: &Vector, gravity_m_s2: DVec3) {
-        self.largest_m_s2 = 0.0;
-        for c in 0..3 {
-            let (out, gravity) = (&mut self.buoyancy_m_s2[c], gravity_m_s2[c] as f32);
-            if gravity == 0.0 {
-                out.fill(0.0);
-                continue;
-            }
-            let (stride, density, open) = (layout.strides()[c], &*self.density, &*open[c]);
-            let mean = |at: usize| 0.5 * (density[at] + density[at - stride]);
-            let lightest = &mut self.lightest[..layout.cells[c]];
-            lightest.fill(f32::INFINITY);
-            let faces = || {
-                let all = cells(layout.cells).map(|(i, j, k)| ([i, j, k], layout.index(i, j, k)));
-                all.filter(|(_, at)| open[*at] > 0.0)
-            };
-            for (face, at) in faces() {
-                lightest[face[c]] = lightest[face[c]].min(mean(at));
-            }
-            for (face, at) in faces() {
-                let weighs = if self.is_weighty { mean(at) } else { 1.0 };
-                out[at] = gravity * (mean(at) - lightest[face[c]]) / weighs;
-                self.largest_m_s2 = self.largest_m_s2.max(f64::from(out[at].abs()));
-            }
-        }
-    }
-
-    /// Sums up what accelerates the liquid besides its own flow, if that is more than gravity.
-    pub(super) fn drive(
-        &mut self,
-        on: Engine<'_>,
-        layout: &Layout,
-        force: Option<&Force>,
-        Pull { scale, slowed, pressure }: Pull<'_>,
-    ) {
-        let (slowed, is_weighty) = (slowed.filter(|_| self.is_thick_somewhere), self.is_weighty);
-        if force.is_none() && !is_weighty && !self.is_thick_somewhere {
-            return;
-        }
-        self.sum_up(on, layout, force, scale);
-        if let (Some(pressure), Some((density, _)), true) = (pressure, &self.weight, is_weighty) {
-            density.press(on, layout, pressure, 1.0, &mut self.total_m_s2);
-        }
-        if let (Some(velocity), Some(thick)) = (slowed, &mut self.thick) {
-            thick.slow(on, velocity, &mut self.total_m_s2);
-        }
-    }
-
-    fn sum_up(&mut self, on: Engine<'_>, layout: &Layout, force: Option<&Force>, scale: f64) {
-        let Some(force) = force else {
-            for (total, buoyancy) in self.total_m_s2.iter_mut().zip(&self.buoyancy_m_s2) {
-                total.copy_from_slice(buoyancy);
-            }
-            return;
-        };
-        let outs = self.total_m_s2.each_mut().map(|out| layout.planes(out));
-        let (scale, buoyancy) = (scale as f32, &self.buoyancy_m_s2);
-        on.pool.planes(outs, [layout.plane; 3], |k, outs| {
-            on.run(
-                layout,
-                k,
-                #[inline(always)]
-                |Run { at, to, len }, _| {
-                    for (c, out) in outs.into_iter().enumerate() {
-                        let out = cut_mut(out, to, len);
-                        let force = cut(&force.acceleration_m_s2[c], at, len);
-                        let buoyancy = cut(&buoyancy[c], at, len);
-                        for i in 0..len {
-                            out[i] = scale * force[i] + buoyancy[i];
-                        }
-                    }
-                },
-            );
-        });
-    }
-
-    /// What [`Mixture::drive`] has found last.
-    pub(super) fn driven(&self, force: Option<&Force>) -> [&[f32]; 3] {
-        components(if force.is_some() { &self.total_m_s2 } else { &self.buoyancy_m_s2 })
-    }
-}
-
-/// What accelerates a stage: of a mixture all there is, else the force without its scale.
-pub(super) fn accelerating<'a>(
-    on: Engine<'_>,
-    layout: &Layout,
-    force: &'a Option<Force>,
-    mixture: &'a mut Option<Box<Mixture>>,
-    pull: Pull<'_>,
-) -> Accelerating<'a> {
-    match mixture {
-        Some(mixture) => {
-            mixture.drive(on, layout, force.as_ref(), pull);
-            let is_summed = force.is_some() || mixture.is_weighty || mixture.is_thick_somewhere;
-            let pressure = mixture.weight.as_ref().filter(|_| mixture.is_weighty);
-            let total = if is_summed { &mixture.total_m_s2 } else { &mixture.buoyancy_m_s2 };
-            Accelerating {
-                force: Some(components(total)),
-                pressure: pressure.map(|(_, none)| none),
-            }
-        }
-        None => {
-            let force = force.as_ref().map(|force| components(&force.acceleration_m_s2));
-            Accelerating { force, pressure: None }
-        }
-    }
-}
-
-/// What works on the flow, for the books of its energy: by one of force, or all there is.
-pub(super) fn working<'a>(
-    force: Option<&'a Force>,
-    mixture: Option<&'a Mixture>,
-) -> Option<[&'a [f32]; 3]> {
-    let alone = || force.map(|force| components(&force.acceleration_m_s2));
-    mixture.map(|mixture| mixture.driven(force)).or_else(alone)
 }
 
 /// Accepts a gravity.
@@ -291,6 +94,22 @@ impl Flow {
     /// act through its gravity alone (Boussinesq 1903); beyond, they weigh in the pressure, too, and
     /// what is lighter than a thousandth of the densest counts as that. Viscosities that differ
     /// are solved for as stresses. A medium that is the same everywhere costs nothing.
+    /// ```
+    /// use cauldron_fluid::{Grid, Vessel, solver::{Setup, Solver, flow::{Flow, Medium}}};
+    /// use glam::Vec3;
+    ///
+    /// let gravity_m_s2 = Vec3::new(0.0, -9.81, 0.0);
+    /// let setup = Setup { gravity_m_s2, ..Setup::new(Grid::unit_cube(8), Vessel::Box) };
+    /// let mut flow = Flow::new(&setup)?;
+    /// flow.set_medium(&|p| match p.x < 0.5 {
+    ///     true => Medium { density_kg_m3: 1400.0, viscosity_m2_s: 7e-3 },
+    ///     false => Medium { density_kg_m3: 1000.0, viscosity_m2_s: 1e-6 },
+    /// })?;
+    /// flow.step(0.01)?;
+    /// assert!(flow.velocity_at(Vec3::new(0.1, 0.5, 0.5)).y < 0.0, "honey sinks");
+    /// assert!(flow.velocity_at(Vec3::new(0.9, 0.5, 0.5)).y > 0.0, "water gives way");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`Refused`] if a density is not above 0, a viscosity negative, or either not finite or above
@@ -304,8 +123,25 @@ impl Flow {
             density[at] = found.density_kg_m3 as f32;
             viscosity_m2_s[at] = found.viscosity_m2_s as f32;
         }
-        let mixture = self.take_mixture();
-        self.settle_medium(Box::new(Mixture { density, viscosity_m2_s, ..*mixture }));
+        let mut mixture = self.take_mixture();
+        (mixture.density, mixture.viscosity_m2_s) = (density, viscosity_m2_s);
+        self.settle_medium(mixture);
+        Ok(())
+    }
+
+    /// Changes the kinematic viscosity from the next step on, to the same everywhere.
+    ///
+    /// # Errors
+    /// [`Refused`] if it is negative, not finite or above 10^6 m^2/s; it is unchanged then.
+    pub fn set_viscosity_m2_s(&mut self, viscosity_m2_s: f32) -> Result<(), Refused> {
+        self.viscosity_m2_s = not_negative("viscosity_m2_s", viscosity_m2_s)?;
+        self.pure.viscosity_m2_s = self.viscosity_m2_s;
+        if let Some(mixture) = &mut self.mixture {
+            mixture.is_thick_somewhere = false;
+        }
+        if self.viscosity_m2_s > 0.0 {
+            self.make_viscous();
+        }
         Ok(())
     }
 
@@ -346,6 +182,11 @@ impl Flow {
         self.survey = Some(after);
         let gained_j = after.energy_m2_s2 * self.cell_mass_kg() - before_j;
         self.excess_m2_s2 = (self.excess_m2_s2 * cell_mass_kg + gained_j) / self.cell_mass_kg();
+    }
+
+    /// The mass of faces, per density and cell volume; `None` where all are whole and alike.
+    pub(super) fn masses(&self) -> Option<&Vector> {
+        masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()))
     }
 
     fn liquid(&self) -> Properties {
@@ -421,22 +262,19 @@ impl Flow {
         self.mixture = Some(mixture);
     }
 
-    /// The viscosity is the same everywhere from now on.
-    pub(super) fn forget_thickness(&mut self) {
-        if let Some(mixture) = &mut self.mixture {
-            mixture.is_thick_somewhere = false;
-        }
-    }
-
     fn range(&self, field: &Field) -> Range {
-        let mut range = Range { least: f32::INFINITY, most: 0.0 };
-        for (i, j, k) in cells(self.layout.cells) {
-            let at = self.layout.index(i, j, k);
-            if self.faces.liquid[at] > 0.0 {
-                range.least = range.least.min(field[at]);
-                range.most = range.most.max(field[at]);
-            }
-        }
-        range
+        // Bits of positive floats are in their order, and extremes of integers are vector code.
+        let (mut least, mut most) = (f32::INFINITY.to_bits(), 0);
+        self.simd.vectorize(
+            #[inline(always)]
+            || {
+                for (value, liquid) in field.iter().zip(self.faces.liquid.iter()) {
+                    let bits = value.to_bits();
+                    least = least.min(if *liquid > 0.0 { bits } else { u32::MAX });
+                    most = most.max(if *liquid > 0.0 { bits } else { 0 });
+                }
+            },
+        );
+        Range { least: f32::from_bits(least), most: f32::from_bits(most) }
     }
 }

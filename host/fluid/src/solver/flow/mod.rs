@@ -15,6 +15,7 @@ mod inventory;
 mod krylov;
 mod looks;
 mod medium;
+mod mixture;
 mod momentum;
 mod poisson;
 mod pressure;
@@ -41,7 +42,8 @@ use self::{
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
     looks::Looking,
-    medium::{Mixture, sound_gravity, working},
+    medium::sound_gravity,
+    mixture::{Mixture, working},
     pressure::{Prediction, Projection, Telling, masses},
     stages::History,
     survey::Survey,
@@ -225,20 +227,6 @@ impl Flow {
         self.density_kg_m3 * f64::from(self.grid.cell_volume_m3())
     }
 
-    /// Changes the kinematic viscosity from the next step on, to the same everywhere.
-    ///
-    /// # Errors
-    /// [`Refused`] if it is negative, not finite or above 10^6 m^2/s; it is unchanged then.
-    pub fn set_viscosity_m2_s(&mut self, viscosity_m2_s: f32) -> Result<(), Refused> {
-        self.viscosity_m2_s = not_negative("viscosity_m2_s", viscosity_m2_s)?;
-        self.pure.viscosity_m2_s = self.viscosity_m2_s;
-        self.forget_thickness();
-        if self.viscosity_m2_s > 0.0 {
-            self.make_viscous();
-        }
-        Ok(())
-    }
-
     /// Gives the liquid `impulse_n_s` around a point, spread over the faces within `radius_m`
     /// (at least two cells) by the kernel of [`Flow::gather`]. Returns the change of
     /// [`Flow::momentum_n_s`] that rounding made of it, for the caller to carry the rest; it is
@@ -335,11 +323,6 @@ impl Flow {
         let radius = radius_m / self.grid.spacing_m;
         let centre = self.in_cells(centre_in_world_m);
         Kernel::new(&self.layout, &self.faces, self.masses(), centre, radius)
-    }
-
-    /// The mass of faces, per density and cell volume; `None` where all are whole and alike.
-    fn masses(&self) -> Option<&Vector> {
-        masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()))
     }
 
     /// Where the flow is computed, for what is carried with it.

@@ -111,7 +111,7 @@ impl Projection {
         let iterations = match operator.zip(krylov.as_mut()) {
             Some((operator, krylov)) => {
                 let squares = set_residual(on, layout, components(velocity), &mut krylov[0], true);
-                on.iterate(layout, ghosts, poisson, operator, psi, krylov, squares)
+                on.iterate((layout, ghosts), poisson, operator, psi, krylov, squares)
             }
             None => {
                 set_residual(on, layout, components(velocity), psi, false);

@@ -37,6 +37,10 @@ const EXPLICIT_COST: f64 = 0.8;
 /// Beyond this number of parts the flow is traced back instead.
 const MAX_PARTS: f64 = 16.0;
 
+/// The same of implicit parts where friction differs from place to place: there each takes a
+/// solve of hundreds of iterations.
+const MAX_PARTS_OF_STRESS: f64 = 4.0;
+
 /// A scheme that is forced may take this many parts: more would not end in a lifetime.
 const MAX_FORCED_PARTS: f64 = 1e4;
 
@@ -64,8 +68,17 @@ impl Plan {
 /// Plans a step that crosses `cfl` cells and has diffusion number `viscous` = 12 nu dt / h^2, by
 /// the forced scheme if there is one and [`MAX_FORCED_PARTS`] are enough for it.
 pub fn plan(cfl: f64, viscous: f64, forced: Option<Scheme>) -> Plan {
+    plan_of(cfl, viscous, forced, MAX_PARTS)
+}
+
+/// The same for friction that differs from place to place.
+pub fn plan_stress(cfl: f64, viscous: f64, forced: Option<Scheme>) -> Plan {
+    plan_of(cfl, viscous, forced, MAX_PARTS_OF_STRESS)
+}
+
+fn plan_of(cfl: f64, viscous: f64, forced: Option<Scheme>, most_implicit: f64) -> Plan {
     let forced = forced.and_then(|scheme| plan_forced(cfl, viscous, scheme));
-    forced.unwrap_or_else(|| plan_freely(cfl, viscous))
+    forced.unwrap_or_else(|| plan_freely(cfl, viscous, most_implicit))
 }
 
 /// As many parts as keep the scheme within its bounds. What Adams and Bashforth's waves grow by
@@ -81,7 +94,7 @@ fn plan_forced(cfl: f64, viscous: f64, scheme: Scheme) -> Option<Plan> {
     (parts <= MAX_FORCED_PARTS).then(|| Plan::new(scheme, parts, cfl))
 }
 
-fn plan_freely(cfl: f64, viscous: f64) -> Plan {
+fn plan_freely(cfl: f64, viscous: f64, most_implicit: f64) -> Plan {
     let growth = cfl.powi(4) / 4.0;
     let is_damped = growth <= MULTISTEP_GROWTH.max(viscous / 12.0);
     if cfl <= MULTISTEP_CFL && viscous <= MULTISTEP_VISCOUS && is_damped {
@@ -92,7 +105,7 @@ fn plan_freely(cfl: f64, viscous: f64) -> Plan {
     let implicit = needed(cfl, IMPLICIT_CFL);
     let (scheme, parts) = if explicit <= MAX_PARTS && EXPLICIT_COST * explicit <= implicit {
         (Scheme::Central, explicit)
-    } else if implicit <= MAX_PARTS && viscous > EXPLICIT_VISCOUS {
+    } else if implicit <= most_implicit && viscous > EXPLICIT_VISCOUS {
         (Scheme::MultistepImplicit, implicit)
     } else if explicit <= MAX_PARTS {
         (Scheme::Central, explicit)
@@ -120,6 +133,8 @@ mod tests {
         assert_eq!(of(0.9, 4.0), (Scheme::Central, 2));
         assert_eq!(of(0.5, 40.0), (Scheme::MultistepImplicit, 1));
         assert_eq!(of(1000.0, 1e9), (Scheme::Traced, 1));
+        assert_eq!(of(4.0, 1e9), (Scheme::MultistepImplicit, 8));
+        assert_eq!(plan_stress(4.0, 1e9, None).scheme, Scheme::Traced);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::solver::flow::{
     engine::Engine,
     field::{Vector, components},
     ghosts::Fill,
-    medium::{Accelerating, Pull, accelerating},
+    mixture::{Accelerating, Pull, accelerating},
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
     pressure::Prediction,
     step::Part,
@@ -165,7 +165,7 @@ impl Flow {
         if let Some(weight) = self.mixture.as_ref().and_then(|mixture| mixture.weight()) {
             weight.press(on, layout, &self.pressure.next, dt_s, out);
         }
-        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick()) {
+        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick_somewhere()) {
             thick.prepare(on, velocity, dt_s, out);
             return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
         }
@@ -195,7 +195,7 @@ impl Flow {
         // What was traced or pushed need not stick to a side yet. A ghost on a parabola would call
         // for more than what is solved for can give, and the flow would swing beyond rest.
         ghosts.fill(velocity, Fill::Carried);
-        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick()) {
+        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick_somewhere()) {
             rhs.iter_mut().for_each(|rhs| rhs.fill(0.0));
             thick.prepare(on, velocity, dt_s as f32, rhs);
             return thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity);

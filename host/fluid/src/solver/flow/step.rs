@@ -7,9 +7,9 @@ use crate::solver::{
         carry::Carriage,
         engine::Engine,
         ghosts::Fill,
-        medium::working,
+        mixture::working,
         pressure::{Projected, Telling},
-        schedule::{Plan, plan},
+        schedule::{Plan, plan, plan_stress},
         survey::Survey,
         within,
     },
@@ -22,7 +22,7 @@ const MAX_STEP_S: f64 = 1e3;
 /// it: the error of the work integral and of f32 sums.
 const GUARD_SLACK: f64 = 1e-3;
 
-/// Part by which the work on what weighs may be more: the books know it to the first order in the
+/// Part by which the work on a mixture may be more: the books know it to the first order in the
 /// step, in which density and velocity are carried one after the other.
 const WORK_SLACK: f64 = 0.05;
 
@@ -102,9 +102,12 @@ impl Flow {
             + self.mixture.as_ref().map_or(0.0, |mixture| mixture.largest_m_s2);
         let speed_m_s = before.speed_m_s.max(self.side_speed_m_s) + pull * dt_s;
         let cfl = speed_m_s * dt_s / spacing_m;
-        // Between two projections friction that differs acts on gradients, too: twice as fast.
-        let stiffest = if self.thick_per_s().is_some() { 24.0 } else { 12.0 };
-        plan(cfl, stiffest * self.diffusion_number(dt_s), self.forced)
+        let number = self.diffusion_number(dt_s);
+        // Between two projections stresses act on gradients, too: twice as fast.
+        match self.thick_per_s() {
+            Some(_) => plan_stress(cfl, 24.0 * number, self.forced),
+            None => plan(cfl, 12.0 * number, self.forced),
+        }
     }
 
     fn part(&self, dt_s: f64, plan: Plan, index: u32) -> Part {
@@ -159,11 +162,11 @@ impl Flow {
         let scale = 0.5 * (self.force_scale[0] + self.force_scale[1]);
         let push_s = if self.mixture.is_some() { dt_s } else { dt_s * scale };
         let mean_m2_s3 = 0.5 * (before.power_m2_s3 + after.power_m2_s3);
-        // What weighs is carried, and falls, with the velocity after the step.
-        let is_weighty = self.mixture.as_ref().is_some_and(|mixture| mixture.weight().is_some());
-        let power_m2_s3 = match is_weighty {
-            true => mean_m2_s3.max(after.power_m2_s3) + WORK_SLACK * mean_m2_s3.abs(),
-            false => mean_m2_s3,
+        // What is heavier is carried, and falls, with the velocity after the step; a multistep
+        // part follows what is poured to its middle.
+        let power_m2_s3 = match &self.mixture {
+            Some(_) => mean_m2_s3.max(after.power_m2_s3) + WORK_SLACK * mean_m2_s3.abs(),
+            None => mean_m2_s3,
         };
         let work = push_s * power_m2_s3;
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;

@@ -14,21 +14,21 @@
 //! [`super::walls`]): squares are weighed by the areas between faces, those of two components
 //! together by the lesser.
 
+mod set;
+
 use crate::solver::flow::{
     engine::Engine,
-    faces::{VesselFaces, cells},
-    field::{Field, Layout, Run, Star, Vector, components, cut, cut_mut},
-    ghosts::Ghosts,
+    faces::VesselFaces,
+    field::{Field, Layout, Run, Star, Vector, cut, cut_mut},
 };
-
-/// Below this part of the greatest, a viscosity is as good as none.
-const LEAST_SHARE: f32 = 1e-12;
 
 /// Weights of the friction, per second, and the inertia it works against.
 pub struct Stress {
     layout: Layout,
     /// 2 mu of cells.
     pub(super) cell: Field,
+    /// 1 / mu of liquid cells, 0 elsewhere.
+    pub(super) resistance: Field,
     /// mu of the edges along each axis, at the lower corner of the cell.
     pub(super) edge: Vector,
     /// Where walls cut faces; `None` in a box.
@@ -65,172 +65,11 @@ impl Stress {
         Self {
             layout: *layout,
             cell: zeros(),
+            resistance: zeros(),
             edge: vector(),
             cut,
             inertia: vector(),
             stiffness_per_s: 0.0,
-        }
-    }
-
-    /// Takes the viscosity of all cells and, where that counts, their density, both with what
-    /// lies beyond the sides; `per_area` is 1/h^2.
-    pub fn set(
-        &mut self,
-        on: Engine<'_>,
-        ghosts: &Ghosts,
-        viscosity_m2_s: &Field,
-        density: Option<&Field>,
-        per_area: f32,
-    ) {
-        self.set_cells(on, ghosts, viscosity_m2_s, density, per_area);
-        self.set_edges(on, ghosts);
-        self.set_inertia(on, ghosts, density);
-        if let Some(vessel) = &on.faces.vessel {
-            self.set_cut(on, vessel);
-        }
-        self.stiffness_per_s = self.stiffest(on);
-    }
-
-    fn set_cells(
-        &mut self,
-        on: Engine<'_>,
-        ghosts: &Ghosts,
-        viscosity_m2_s: &Field,
-        density: Option<&Field>,
-        per_area: f32,
-    ) {
-        let layout = &self.layout;
-        on.pool.planes([layout.planes(&mut self.cell)], [layout.plane], |k, [out]| {
-            let at = (k + 1) * layout.plane;
-            let (nu, liquid) = (&viscosity_m2_s[at..], &on.faces.liquid[at..]);
-            for (i, out) in out.iter_mut().enumerate() {
-                let density = density.map_or(1.0, |density| density[at + i]);
-                *out = 2.0 * per_area * density * nu[i] * liquid[i];
-            }
-        });
-        ghosts.wrap_cells(&mut self.cell);
-    }
-
-    fn set_edges(&mut self, on: Engine<'_>, ghosts: &Ghosts) {
-        let (layout, cell, liquid) = (&self.layout, &*self.cell, &*on.faces.liquid);
-        let least = LEAST_SHARE * cell.iter().fold(0.0, |most: f32, w| most.max(*w));
-        let strides = layout.strides();
-        let [nx, ny, nz] = layout.cells;
-        let wrapped = |axis: usize, index: usize| match ghosts.is_periodic(axis) {
-            true => Some((index + layout.cells[axis] - 1) % layout.cells[axis]),
-            false => index.checked_sub(1).filter(|index| *index < layout.cells[axis]),
-        };
-        // Most cells have liquid all around: only beside the sides does that need a look.
-        let is_liquid = |padded: [usize; 3]| {
-            let inside = [0, 1, 2].map(|axis| wrapped(axis, padded[axis]));
-            let [Some(i), Some(j), Some(k)] = inside else { return false };
-            liquid[layout.index(i, j, k)] > 0.0
-        };
-        for (axis, out) in self.edge.iter_mut().enumerate() {
-            let [_, c, d] = from_axis(axis);
-            let corners = [0, strides[c], strides[d], strides[c] + strides[d]];
-            let whole = 0..layout.plane * (nz + 1);
-            on.pool.planes([&mut out[layout.plane..][whole]], [layout.plane], |k, [out]| {
-                for (j, i) in (0..=ny).flat_map(|j| (0..=nx).map(move |i| (j, i))) {
-                    let to = layout.index_in_plane(i, j);
-                    let at = (k + 1) * layout.plane + to;
-                    let is_inner =
-                        [i, j, k].iter().zip(layout.cells).all(|(i, n)| (1..n).contains(i));
-                    let (mut count, mut resistance) = (0.0, 0.0);
-                    for (corner, back) in corners.into_iter().enumerate() {
-                        let mut padded = [i + 1, j + 1, k + 1];
-                        padded[c] -= corner & 1;
-                        padded[d] -= corner >> 1;
-                        let counts = match is_inner {
-                            true => liquid[at - back] > 0.0,
-                            false => is_liquid(padded),
-                        };
-                        if counts {
-                            count += 1.0;
-                            resistance += 2.0 / cell[at - back].max(least);
-                        }
-                    }
-                    out[to] = if count > 0.0 && least > 0.0 { count / resistance } else { 0.0 };
-                }
-            });
-        }
-        self.clear_sliding(ghosts);
-    }
-
-    /// Nothing rubs against sides that the liquid slides along, or that it leaves through.
-    fn clear_sliding(&mut self, ghosts: &Ghosts) {
-        let layout = &self.layout;
-        let [nx, ny, nz] = layout.cells;
-        for (side, end) in [0, 1, 2].into_iter().flat_map(|side| [(side, 0), (side, 1)]) {
-            if ghosts.is_periodic(side) || ghosts.holds(side, end) {
-                continue;
-            }
-            let at_side = |cell: &(usize, usize, usize)| {
-                [cell.0, cell.1, cell.2][side] == [0, layout.cells[side]][end]
-            };
-            for (i, j, k) in cells([nx + 1, ny + 1, nz + 1]).filter(at_side) {
-                let at = layout.index(i, j, k);
-                for axis in (0..3).filter(|axis| *axis != side) {
-                    self.edge[axis][at] = 0.0;
-                }
-            }
-        }
-    }
-
-    /// Faces on the sides are set by them, and move with nothing of their own.
-    fn set_inertia(&mut self, on: Engine<'_>, ghosts: &Ghosts, density: Option<&Field>) {
-        let layout = &self.layout;
-        for (c, out) in self.inertia.iter_mut().enumerate() {
-            let stride = layout.strides()[c];
-            for (i, j, k) in cells(layout.cells) {
-                let at = layout.index(i, j, k);
-                let moves = [i, j, k][c] > 0 || ghosts.is_periodic(c);
-                let mass = density.map_or(1.0, |d| 0.5 * (d[at] + d[at - stride]));
-                out[at] = if moves { on.faces.open[c][at] * mass } else { 0.0 };
-            }
-        }
-        if let Some(vessel) = &on.faces.vessel {
-            vessel.walls.weigh(&mut self.inertia, false);
-        }
-    }
-
-    fn set_cut(&mut self, on: Engine<'_>, vessel: &VesselFaces) {
-        let (layout, Some(weights)) = (&self.layout, &mut self.cut) else { return };
-        let (strides, area) = (layout.strides(), components(&vessel.area));
-        let both = |a: f32, b: f32| if a > 0.0 && b > 0.0 { 0.5 * (a + b) } else { 0.0 };
-        let [nx, ny, nz] = layout.cells;
-        for (c, out) in weights.cell.iter_mut().enumerate() {
-            for (i, j, k) in cells(layout.cells.map(|n| n + 1)) {
-                let at = layout.index(i, j, k) - strides[c];
-                out[at] = self.cell[at] * both(area[c][at], area[c][at + strides[c]]);
-            }
-        }
-        for axis in 0..3 {
-            let [_, c, d] = from_axis(axis);
-            for (i, j, k) in cells([nx + 1, ny + 1, nz + 1]) {
-                let at = layout.index(i, j, k);
-                let edge = &mut self.edge[axis][at];
-                // Between the two faces of one component is the mean of the other's two.
-                let between = |own: usize, other: usize| {
-                    let is_open = area[own][at] > 0.0 && area[own][at - strides[other]] > 0.0;
-                    let mean = 0.5 * (area[other][at] + area[other][at - strides[own]]);
-                    if is_open { mean } else { 0.0 }
-                };
-                let shares = [between(c, d), between(d, c)];
-                for (along, share) in weights.along[axis].iter_mut().zip(shares) {
-                    along[at] = *edge * share;
-                }
-                *edge *= shares[0].min(shares[1]);
-            }
-        }
-        for (c, out) in weights.drag.iter_mut().enumerate() {
-            out.fill(0.0);
-            vessel.walls.visit_drag(c, |at, drag| {
-                let (a, b) = (self.cell[at], self.cell[at - strides[c]]);
-                let is_between = on.faces.liquid[at] * on.faces.liquid[at - strides[c]] > 0.0;
-                let harmonic = a * b / (a + b).max(f32::MIN_POSITIVE);
-                out[at] = drag * if is_between { harmonic } else { 0.5 * a.max(b) };
-            });
         }
     }
 
@@ -320,27 +159,30 @@ impl Stress {
         });
     }
 
+    /// The weights of the edges below and above faces of component `c` along `d`.
+    #[inline(always)]
+    fn across(&self, c: usize, d: usize, at: usize, len: usize) -> Across<'_> {
+        let axis = 3 - c - d;
+        let is_next = usize::from(from_axis(axis)[1] != c);
+        let along = match &self.cut {
+            Some(weights) => &weights.along[axis][is_next],
+            None => &self.edge[axis],
+        };
+        let high = at + self.layout.strides()[d];
+        Across {
+            along: (cut(along, at, len), cut(along, high, len)),
+            both: (cut(&self.edge[axis], at, len), cut(&self.edge[axis], high, len)),
+        }
+    }
+
     #[inline(always)]
     fn rows(&self, c: usize, at: usize, len: usize) -> Rows<'_> {
         let strides = self.layout.strides();
         let cell = self.cut.as_ref().map_or(&self.cell, |weights| &weights.cell[c]);
         let [_, next, after] = from_axis(c);
-        let across = |d: usize| {
-            let axis = 3 - c - d;
-            let is_next = usize::from(from_axis(axis)[1] != c);
-            let along = match &self.cut {
-                Some(weights) => &weights.along[axis][is_next],
-                None => &self.edge[axis],
-            };
-            let (low, high) = (at, at + strides[d]);
-            Across {
-                along: (cut(along, low, len), cut(along, high, len)),
-                both: (cut(&self.edge[axis], low, len), cut(&self.edge[axis], high, len)),
-            }
-        };
         Rows {
             cell: (cut(cell, at - strides[c], len), cut(cell, at, len)),
-            across: [across(next), across(after)],
+            across: [self.across(c, next, at, len), self.across(c, after, at, len)],
             drag: self.cut.as_ref().map(|weights| cut(&weights.drag[c], at, len)),
         }
     }
@@ -359,6 +201,17 @@ struct Rows<'a> {
 struct Across<'a> {
     along: (&'a [f32], &'a [f32]),
     both: (&'a [f32], &'a [f32]),
+}
+
+impl Across<'_> {
+    /// What one component loses across both edges, of which it is at `ends`, the other `v` on both
+    /// sides of each.
+    #[inline(always)]
+    fn shear(&self, i: usize, here: f32, ends: (&[f32], &[f32]), v: &[&[f32]; 4]) -> f32 {
+        let below = self.along.0[i] * (here - ends.0[i]) + self.both.0[i] * (v[0][i] - v[1][i]);
+        let above = self.along.1[i] * (ends.1[i] - here) + self.both.1[i] * (v[2][i] - v[3][i]);
+        below - above
+    }
 }
 
 impl Rows<'_> {
@@ -402,36 +255,39 @@ impl Rows<'_> {
         drag: &[f32],
         mut visit: impl FnMut(usize, f32),
     ) {
-        let strides = layout.strides();
         let own = Star::new(layout, u[C], at, len);
         let [_, d, e] = from_axis(C);
         let ends = [own.x, own.y, own.z];
-        // The other component on both sides of the edges below and above.
-        let other = |d: usize| {
-            let (low, high, back) = (at, at + strides[d], strides[C]);
-            let v = u[d];
-            [cut(v, low, len), cut(v, low - back, len), cut(v, high, len), cut(v, high - back, len)]
-        };
         let (d_ends, e_ends, c_ends) = (ends[d], ends[e], ends[C]);
-        let (d_other, e_other) = (other(d), other(e));
+        let (d_other, e_other) =
+            (both_sides(layout, C, d, u[d], at, len), both_sides(layout, C, e, u[e], at, len));
         let [d_weights, e_weights] = &self.across;
-        for i in 0..len {
-            let here = own.here[i];
-            let shear = |w: &Across<'_>, ends: (&[f32], &[f32]), v: &[&[f32]; 4]| {
-                let below = w.along.0[i] * (here - ends.0[i]) + w.both.0[i] * (v[0][i] - v[1][i]);
-                let above = w.along.1[i] * (ends.1[i] - here) + w.both.1[i] * (v[2][i] - v[3][i]);
-                below - above
-            };
+        for (i, here) in own.here.iter().copied().enumerate() {
             let normal =
                 self.cell.0[i] * (here - c_ends.0[i]) - self.cell.1[i] * (c_ends.1[i] - here);
-            let mut sum =
-                normal + shear(d_weights, d_ends, &d_other) + shear(e_weights, e_ends, &e_other);
+            let mut sum = normal
+                + d_weights.shear(i, here, d_ends, &d_other)
+                + e_weights.shear(i, here, e_ends, &e_other);
             if CUT {
                 sum += drag[i] * here;
             }
             visit(i, sum);
         }
     }
+}
+
+/// Component `d` of a velocity, before and behind the edges below and above faces of component `c`.
+#[inline(always)]
+fn both_sides<'a>(
+    layout: &Layout,
+    c: usize,
+    d: usize,
+    v: &'a [f32],
+    at: usize,
+    len: usize,
+) -> [&'a [f32]; 4] {
+    let (high, back) = (at + layout.strides()[d], layout.strides()[c]);
+    [cut(v, at, len), cut(v, at - back, len), cut(v, high, len), cut(v, high - back, len)]
 }
 
 #[cfg(test)]

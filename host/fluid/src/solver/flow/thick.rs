@@ -21,7 +21,7 @@ use crate::solver::flow::{
 const TOLERANCE: f64 = 1e-4;
 
 /// Iterations at most.
-const MAX_ITERATIONS: u32 = 300;
+const MAX_ITERATIONS: u32 = 200;
 
 /// The friction of a liquid, and the work space to solve with it.
 pub struct Thick {

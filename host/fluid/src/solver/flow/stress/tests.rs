@@ -8,7 +8,14 @@ use crate::{
     grid::Grid,
     pool::Pool,
     simd::SimdClass,
-    solver::{Side, Sides, Walls, flow::faces::Faces, flow::ghosts::Fill},
+    solver::{
+        Side, Sides, Walls,
+        flow::{
+            faces::Faces,
+            field::components,
+            ghosts::{Fill, Ghosts},
+        },
+    },
     vessel::Vessel,
 };
 
