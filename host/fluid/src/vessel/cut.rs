@@ -166,6 +166,12 @@ impl Cut {
         mean(&self.corners_about(axis, cell).map(|at| bend(&self.depth, nodes, &all, at)))
     }
 
+    /// True if a cell holds liquid.
+    #[must_use]
+    pub fn holds_liquid(&self, cell: [usize; 3]) -> bool {
+        self.volume[flat(self.grid.cells, cell)] > 0.0
+    }
+
     /// Number of cells that hold liquid.
     #[must_use]
     pub fn liquid_cells(&self) -> usize {
@@ -393,7 +399,7 @@ fn grown(cells: &CellBox, by: usize, all: [usize; 3]) -> CellBox {
 }
 
 /// Does something at all places in a box, x fastest.
-fn each([x, y, z]: &CellBox, mut act: impl FnMut([usize; 3])) {
+pub(crate) fn each([x, y, z]: &CellBox, mut act: impl FnMut([usize; 3])) {
     for k in z.clone() {
         for j in y.clone() {
             for i in x.clone() {

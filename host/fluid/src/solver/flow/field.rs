@@ -63,6 +63,12 @@ impl Layout {
         (j + 1) * self.row + i + 1
     }
 
+    /// The cell at an index: the inverse of [`Layout::index`], for cells within the sides.
+    pub fn cell_of(&self, at: usize) -> [usize; 3] {
+        let in_plane = at % self.plane;
+        [in_plane % self.row - 1, in_plane / self.row - 1, at / self.plane - 1]
+    }
+
     /// Distance in memory between neighbours along x, y and z.
     pub fn strides(&self) -> [usize; 3] {
         [1, self.row, self.plane]
@@ -77,6 +83,11 @@ impl Layout {
     /// A field of zeros.
     pub fn zeros(&self) -> Field {
         Field::zeros(self.plane * (self.cells[2] + 2))
+    }
+
+    /// A vector field of zeros.
+    pub fn zero_vector(&self) -> Vector {
+        [self.zeros(), self.zeros(), self.zeros()]
     }
 
     /// The planes of a padded array that hold cells, for a pool to deal out.

@@ -17,11 +17,14 @@
 //! to their friction is made up for, and no more than the slope of the depth at the wall
 //! is asked of a distance.
 
-use crate::solver::flow::{
-    engine::Engine,
-    faces::cells,
-    field::{Layout, Run, Vector, cut, cut_mut},
-    momentum::{Stage, Terms},
+use crate::{
+    solver::flow::{
+        engine::Engine,
+        faces::Section,
+        field::{Layout, Run, Vector, cut, cut_mut},
+        momentum::{Stage, Terms},
+    },
+    vessel::cut::{CellBox, each},
 };
 
 /// The wall takes at least this part of what it would take at a distance of 1: less says that two
@@ -46,19 +49,34 @@ struct WallFace {
     areas: [[f32; 2]; 3],
 }
 
-/// The faces beside walls, by component, in the order of memory.
-pub struct WallFaces {
-    faces: [Vec<WallFace>; 3],
-    /// Where each plane's begin, and where the last one's end.
-    first: [Vec<usize>; 3],
+/// The faces beside walls, by component and plane, in the order of memory.
+pub struct WallFaces([Vec<Vec<WallFace>>; 3]);
+
+/// The depth below a wall at the faces beside it and at their neighbours, in spacings.
+pub struct Depth {
+    /// Mean over the open part of each face; not a number where nobody asked.
+    below_wall: Vector,
+    /// The same, but no less than the drag of an explicit step allows for.
+    at_least: Vector,
 }
 
-/// The depth below a wall at faces, in spacings.
-pub struct Depth {
-    /// Mean over the open part of each face.
-    pub below_wall: Vector,
-    /// Sum of its second differences.
-    pub bend: Vector,
+impl Depth {
+    /// Of faces that nobody has asked for.
+    pub fn new(layout: &Layout) -> Self {
+        let mut depth =
+            Self { below_wall: layout.zero_vector(), at_least: layout.zero_vector() };
+        depth.below_wall.iter_mut().for_each(|depth| depth.fill(f32::NAN));
+        depth
+    }
+
+    fn ask(&mut self, section: Section<'_>, c: usize, padded: [usize; 3]) {
+        let [_, sy, sz] = section.layout.strides();
+        let at = padded[0] + padded[1] * sy + padded[2] * sz;
+        if self.below_wall[c][at].is_nan() {
+            self.below_wall[c][at] = section.depth(c, padded);
+            self.at_least[c][at] = self.below_wall[c][at];
+        }
+    }
 }
 
 /// Weights of the terms of the momentum equation in what a kernel has computed.
@@ -78,30 +96,54 @@ impl Weights {
 }
 
 impl WallFaces {
-    /// For the faces that are `open` in `area`; `depth` is that below a wall that
-    /// the liquid sticks to.
-    pub fn new(layout: &Layout, open: &Vector, area: &Vector, depth: Option<Depth>) -> Self {
-        let [_, _, nz] = layout.cells;
-        let (mut faces, mut first) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
+    /// None yet.
+    pub fn new(layout: &Layout) -> Self {
+        Self(std::array::from_fn(|_| vec![Vec::new(); layout.cells[2]]))
+    }
+
+    /// Brings the faces of `cells` up to date with what is `open` in `area`; `depth` is that
+    /// below a wall that the liquid sticks to.
+    pub fn refresh(
+        &mut self,
+        section: Section<'_>,
+        [open, area]: [&Vector; 2],
+        mut depth: Option<&mut Depth>,
+        cells: &CellBox,
+    ) {
+        let layout = section.layout;
+        let [x, y, z] = cells.clone();
+        if let Some(depth) = &mut depth {
+            section.each_padded(cells, |_, at| {
+                depth.below_wall.iter_mut().for_each(|depth| depth[at] = f32::NAN);
+            });
+        }
         for c in 0..3 {
-            first[c] = vec![0; nz + 1];
-            for (i, j, k) in cells(layout.cells) {
+            let mut fresh = Vec::new();
+            each(cells, |[i, j, k]| {
                 let at = layout.index(i, j, k);
                 if open[c][at] > 0.0 {
-                    faces[c].extend(WallFace::new(layout, c, at, area));
+                    fresh.extend(WallFace::new(layout, c, at, area));
                 }
-                first[c][k + 1] = faces[c].len();
+            });
+            if let Some(depth) = &mut depth {
+                set_drag(section, depth, &area[c], c, &mut fresh);
             }
-            if let Some(depth) = &depth {
-                let depth = [&*depth.below_wall[c], &depth.bend[c], &area[c]];
-                set_drag(layout, depth, &mut faces[c]);
+            for k in z.clone() {
+                let faces = &mut self.0[c][k];
+                faces.retain(|face| {
+                    let [i, j, _] = layout.cell_of(face.at as usize);
+                    !(x.contains(&i) && y.contains(&j))
+                });
+                let end = layout.index(0, 0, k + 1) as u32;
+                let count = fresh.iter().take_while(|face| face.at < end).count();
+                faces.extend(fresh.drain(..count));
+                faces.sort_unstable_by_key(|face| face.at);
             }
         }
-        Self { faces, first }
     }
 
     fn in_plane(&self, c: usize, k: usize) -> &[WallFace] {
-        &self.faces[c][self.first[c][k]..self.first[c][k + 1]]
+        &self.0[c][k]
     }
 
     /// Corrects plane `k` of what was computed as if there were liquid everywhere.
@@ -148,8 +190,8 @@ impl WallFaces {
 
     /// Multiplies by the inertia, or divides by it.
     pub fn weigh(&self, vector: &mut Vector, divides: bool) {
-        for (faces, field) in self.faces.iter().zip(vector) {
-            for face in faces {
+        for (faces, field) in self.0.iter().zip(vector) {
+            for face in faces.iter().flatten() {
                 let weight = if divides { face.per_inertia } else { face.inertia };
                 field[face.at as usize] *= weight;
             }
@@ -236,24 +278,40 @@ impl WallFace {
     }
 }
 
-/// Sets the drag of a component's faces from depth, bend and area of all faces.
-fn set_drag(layout: &Layout, [depth, bend, area]: [&[f32]; 3], faces: &mut [WallFace]) {
+/// Sets the drag of faces of component `c`.
+fn set_drag(
+    section: Section<'_>,
+    depth: &mut Depth,
+    area: &[f32],
+    c: usize,
+    faces: &mut [WallFace],
+) {
+    let layout = section.layout;
+    let padded = |face: &WallFace| layout.cell_of(face.at as usize).map(|cell| cell + 1);
+    for face in &*faces {
+        let own = padded(face);
+        depth.ask(section, c, own);
+        for axis in 0..3 {
+            let [mut before, mut behind] = [own; 2];
+            before[axis] -= 1;
+            behind[axis] += 1;
+            depth.ask(section, c, before);
+            depth.ask(section, c, behind);
+        }
+    }
     // A face so near to the wall that its drag would be more than a step bears is taken to be
     // as far from it as that drag says; what its neighbours see of it is adjusted with it.
-    let mut depth = depth.to_vec();
-    let least: Vec<f32> = faces
-        .iter()
-        .map(|face| face.around(layout, &depth) / (face.area() + face.most_drag()).max(1e-3))
-        .collect();
-    for (face, least) in faces.iter().zip(least) {
-        let depth = &mut depth[face.at as usize];
-        *depth = depth.max(least);
+    let (below_wall, at_least) = (&depth.below_wall[c], &mut depth.at_least[c]);
+    for face in &*faces {
+        let at = face.at as usize;
+        let least = face.around(layout, below_wall) / (face.area() + face.most_drag()).max(1e-3);
+        at_least[at] = below_wall[at].max(least);
     }
     for face in faces {
         let at = face.at as usize;
-        let (here, wall) = (depth[at], face.wall());
-        let curvature = area[at] * bend[at];
-        let rise = face.around(layout, &depth) - face.area() * here - curvature;
+        let (here, wall) = (at_least[at], face.wall());
+        let curvature = area[at] * section.bend(c, padded(face));
+        let rise = face.around(layout, at_least) - face.area() * here - curvature;
         let grip = if rise < LEAST_GRIP * wall { wall } else { rise };
         if here > 0.0 {
             face.drag = (grip / here).clamp(0.0, face.most_drag());
