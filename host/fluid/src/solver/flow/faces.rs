@@ -8,6 +8,7 @@ use crate::{
         Side, Sides, Walls,
         flow::{
             field::{Field, Layout, Vector},
+            solids::Solids,
             walls::{Depth, WallFaces},
         },
     },
@@ -45,6 +46,8 @@ pub struct VesselFaces {
     pub lift: Field,
     /// How a flow near the walls differs from one far from them.
     pub walls: WallFaces,
+    /// What obstacles do; `None` where there never was one.
+    pub solids: Option<Solids>,
 }
 
 /// What is cut of a grid between its sides.
@@ -96,6 +99,7 @@ impl Faces {
             open_area: layout.zeros(),
             lift: layout.zeros(),
             walls: WallFaces::new(layout),
+            solids: None,
         };
         let mut faces = Self::none(layout, Some(vessel));
         faces.refresh(section, depth, &layout.cells.map(|n| 0..n));
@@ -172,6 +176,18 @@ impl Faces {
                 let above = at + layout.strides()[axis];
                 self.open[axis][above] = f32::from(upper && is_passed(axis, above));
             }
+        }
+    }
+
+    /// What obstacles do, if there are any.
+    pub fn solids(&self) -> Option<&Solids> {
+        self.vessel.as_ref().and_then(|vessel| vessel.solids.as_ref())
+    }
+
+    /// Gives faces that obstacles cover wholly their velocity.
+    pub fn hold(&self, velocity: &mut Vector) {
+        if let Some(solids) = self.solids() {
+            solids.hold(velocity);
         }
     }
 

@@ -12,9 +12,12 @@ pub(crate) mod field;
 mod ghosts;
 mod krylov;
 mod momentum;
+mod obstacles;
 mod poisson;
 mod pressure;
+mod reaction;
 mod schedule;
+mod solids;
 mod stages;
 mod step;
 mod survey;
@@ -32,6 +35,7 @@ use self::{
     faces::{Faces, cells},
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
+    obstacles::Obstacles,
     pressure::{Prediction, Projection},
     stages::History,
     survey::Survey,
@@ -43,9 +47,10 @@ use crate::{
     pool::Pool,
     simd::SimdClass,
     solver::{
-        Refused, Scheme, Setup, SetupError, Solver, StepReport, VectorField, VisitVelocity,
-        not_negative, within,
+        Refused, Scheme, Setup, SetupError, Sides, Solver, StepReport, VectorField, VisitVelocity,
+        Walls, not_negative, within,
     },
+    vessel::Vessel,
 };
 
 /// No velocity is accepted or kept above this.
@@ -73,9 +78,13 @@ fn check_grid(grid: &Grid) -> Result<(), Refused> {
 /// Incompressible flow in a vessel.
 pub struct Flow {
     grid: Grid,
+    vessel: Vessel,
+    sides: Sides,
+    walls: Walls,
     layout: Layout,
     faces: Faces,
     ghosts: Ghosts,
+    obstacles: Option<Box<Obstacles>>,
     /// True if a side can put energy in.
     is_driven: bool,
     /// Largest speed that a side imposes.
@@ -133,6 +142,10 @@ impl Flow {
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
         let mut flow = Self {
             grid: setup.grid,
+            vessel: setup.vessel.clone(),
+            sides: setup.sides,
+            walls: setup.walls,
+            obstacles: None,
             is_driven: setup.sides.drive(),
             side_speed_m_s: setup.sides.largest_speed_m_s(),
             density_kg_m3,
@@ -220,7 +233,7 @@ impl Flow {
         within("impulse_n_s", if impulse_n_s.is_nan() { f64::NAN } else { worst }, f64::MAX)?;
         let centre = self.in_cells(centre_in_world_m);
         within("centre_in_world_m", f64::from(centre.dot(Vec3::ONE)), f64::MAX)?;
-        within("radius_m", f64::from(radius_m), f64::MAX)?;
+        let radius_m = not_negative("radius_m", radius_m)? as f32;
         let mass_kg = self.cell_mass_kg();
         if mass_kg <= 0.0 || impulse_n_s == DVec3::ZERO {
             return Ok(DVec3::ZERO);
@@ -278,6 +291,9 @@ impl Flow {
                     *flux = area * u;
                 }
             }
+            if let Some(solids) = &vessel.solids {
+                solids.add_fluxes(&self.layout, &self.ghosts, fluxes);
+            }
         }
     }
 
@@ -310,11 +326,11 @@ impl Flow {
         self.grid.origin_in_world_m.as_dvec3() + f64::from(self.grid.spacing_m) * cells
     }
 
-    /// Calls `visit(component, index, position)` for every open face.
-    fn visit_open(&self, mut visit: impl FnMut(usize, usize, DVec3)) {
+    /// Calls `visit(component, index, position)` for every face that is open in `open`.
+    fn visit_open(&self, open: &Vector, mut visit: impl FnMut(usize, usize, DVec3)) {
         for (i, j, k) in cells(self.layout.cells) {
             let at = self.layout.index(i, j, k);
-            for c in (0..3).filter(|c| self.faces.open[*c][at] > 0.0) {
+            for c in (0..3).filter(|c| open[*c][at] > 0.0) {
                 visit(c, at, self.face_in_world_m(c, [i, j, k]));
             }
         }
@@ -334,15 +350,19 @@ impl Flow {
                 .as_ref()
                 .map(|vessel| FaceRuns::new(&self.layout, components(&vessel.area), row, nx));
             let cells = (0..nx).filter(|i| liquid[*i] > 0.0);
+            let solids = self.faces.solids();
             cells.for_each(|i| {
+                let swell = solids.map_or(0.0, |solids| solids.swell[row + i]);
                 visit(
-                    area.map_or_else(|| faces.outflow(i), |area| faces.outflow_through(&area, i)),
+                    area.map_or_else(|| faces.outflow(i), |area| faces.outflow_through(&area, i))
+                        + swell,
                 );
             });
         }
     }
 
-    /// Samples `field` on the open faces into `out`; returns the largest magnitude.
+    /// Samples `field` into `out` on the faces that are open once no obstacle covers them; returns
+    /// the largest magnitude.
     fn sample(
         &self,
         what: &'static str,
@@ -352,7 +372,8 @@ impl Flow {
     ) -> Result<f64, Refused> {
         let mut largest = Ok(0.0f64);
         out.iter_mut().for_each(|out| out.fill(0.0));
-        self.visit_open(|c, at, point| {
+        let open = self.obstacles.as_ref().map_or(&self.faces.open, |all| &all.open);
+        self.visit_open(open, |c, at, point| {
             let value = field(point)[c];
             out[c][at] = value as f32;
             largest = largest
@@ -368,6 +389,7 @@ impl Solver for Flow {
         let limit = f64::from(MAX_SPEED_M_S);
         self.sample("velocity_m_s", velocity_m_s, limit, &mut sampled)?;
         self.velocity = sampled;
+        self.faces.hold(&mut self.velocity);
         self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
         self.set_fluxes();
         self.excess_m2_s2 = 0.0;
@@ -402,7 +424,7 @@ impl Solver for Flow {
     }
 
     fn visit(&self, visit: &mut VisitVelocity<'_>) {
-        self.visit_open(|c, at, point| visit(point, c, f64::from(self.velocity[c][at])));
+        self.visit_open(&self.faces.open, |c, at, point| visit(point, c, f64::from(self.velocity[c][at])));
     }
 
     fn divergence_l2_per_s(&self) -> f64 {

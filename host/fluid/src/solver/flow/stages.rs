@@ -9,6 +9,7 @@ use crate::solver::flow::{
     ghosts::Fill,
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
     pressure::Prediction,
+    reaction::{Solved, Viscosity},
     step::Part,
     viscous::implicit_share,
     walls::{Weights, correct, hold},
@@ -21,6 +22,9 @@ const PREDICTABLE: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// share of the advanced stage, and when in the step the force of the stage is taken.
 const STAGES: [(f32, f32, f64); 3] =
     [(0.0, 1.0, 0.0), (3.0 / 4.0, 1.0 / 4.0, 1.0), (1.0 / 3.0, 2.0 / 3.0, 0.5)];
+
+/// What each stage adds to the change of a whole step.
+const STAGE_WEIGHTS: [f32; 3] = [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0];
 
 /// What the rates of the last part are good for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +50,9 @@ impl Flow {
             return;
         }
         self.forget_pressure();
+        let obstacles = self.obstacles.take();
         self.run_stages(part);
+        self.obstacles = obstacles;
         self.clear_divergence();
         self.learn_pressure(part);
         mem::swap(&mut self.velocity, &mut self.stage[0]);
@@ -97,6 +103,10 @@ impl Flow {
         let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
         let force = self.force.as_ref().map(|force| components(&force.acceleration_m_s2));
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.measure(faces, stage, Weights::of(terms, 1.0), Viscosity::Explicit);
+            obstacles.count(advance.new_s.into(), advance.old_s.into());
+        }
         let on = Engine { pool, simd: *simd, faces };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
@@ -114,6 +124,7 @@ impl Flow {
                 correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
+        faces.hold(out);
         ghosts.fill_normals(out);
         mem::swap(velocity, out);
     }
@@ -132,6 +143,11 @@ impl Flow {
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let (dt_s, viscous) = (part.dt_s as f32, number as f32);
         let advance = Semi { rates, pressure: &self.pressure.next, dt_s, viscous };
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.measure(faces, stage, Weights::of(terms, 1.0), Viscosity::Implicit);
+            obstacles.count(rates.new_s.into(), rates.old_s.into());
+            obstacles.keep(faces, velocity, 0);
+        }
         let on = Engine { pool, simd: *simd, faces };
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
@@ -152,8 +168,15 @@ impl Flow {
             }
         });
         ghosts.fill(out, Fill::Difference);
-        let s = (implicit_share(number) * number) as f32;
-        self.viscous.solve(on, ghosts, s, out, velocity)
+        let s = implicit_share(number) * number;
+        let iterations = self.viscous.solve(on, ghosts, s as f32, out, velocity);
+        if let Some(obstacles) = &mut self.obstacles {
+            let pressure = Some((&*self.pressure.next, part.dt_s));
+            let force = force.map(|force| (force, part.dt_s * f64::from(terms.force)));
+            obstacles.keep(faces, velocity, 1);
+            obstacles.count_solved(layout, faces, Solved { number, s, pressure, force });
+        }
+        iterations
     }
 
     /// Adds what viscosity alone does in `dt_s`. Returns the iterations.
@@ -162,11 +185,21 @@ impl Flow {
         if number == 0.0 {
             return 0;
         }
-        let Self { faces, ghosts, velocity, stage: [rhs, _], viscous, pool, simd, .. } = self;
+        let Self { layout, faces, ghosts, velocity, stage: [rhs, _], viscous, pool, simd, .. } =
+            self;
         let on = Engine { pool, simd: *simd, faces };
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.keep(faces, velocity, 0);
+        }
         viscous.set_rhs(on, velocity, rhs, number as f32);
-        let s = (implicit_share(number) * number) as f32;
-        viscous.solve(on, ghosts, s, rhs, velocity)
+        let s = implicit_share(number) * number;
+        let iterations = viscous.solve(on, ghosts, s as f32, rhs, velocity);
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.keep(faces, velocity, 1);
+            let solved = Solved { number, s, pressure: None, force: None };
+            obstacles.count_solved(layout, faces, solved);
+        }
+        iterations
     }
 
     /// One part in three stages, explicit throughout.
@@ -184,6 +217,11 @@ impl Flow {
             };
             let (layout, velocity) = (*layout, components(velocity));
             let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
+            if let Some(obstacles) = &mut self.obstacles {
+                let weights = Weights::of(stage.terms, STAGE_WEIGHTS[index] * part.dt_s as f32);
+                obstacles.measure(faces, stage, weights, Viscosity::Explicit);
+                obstacles.count(1.0, 0.0);
+            }
             let advance = RungeKutta {
                 start: velocity,
                 pressure: &pressure.next,
@@ -205,6 +243,7 @@ impl Flow {
                     hold(on, stage, k, run, weights, out);
                 }
             });
+            faces.hold(to);
             ghosts.fill(to, Fill::Unprojected);
         }
         mem::swap(velocity, first);

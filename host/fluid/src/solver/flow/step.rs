@@ -50,6 +50,9 @@ impl Flow {
         let before = self.surveyed();
         if dt_s == 0.0 || (self.may_sleep && before.speed_m_s == 0.0 && !self.is_forced()) {
             self.survey = Some(before);
+            if let Some(obstacles) = &mut self.obstacles {
+                obstacles.close(0.0);
+            }
             return Ok(self.report_of_rest(before));
         }
         let plan = self.plan(dt_s, before);
@@ -59,6 +62,9 @@ impl Flow {
         let mut after = before;
         for index in 0..plan.parts {
             after = self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+        }
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.close(self.density_kg_m3 * f64::from(self.grid.cell_volume_m3()) / dt_s);
         }
         let after = self.guard(before, after, dt_s, &mut report);
         self.settle(after);
@@ -82,7 +88,11 @@ impl Flow {
         }
         let Projected { iterations, survey } = self.clear_divergence();
         report.pressure_iterations += iterations;
+        self.press_obstacles(1.0);
         if matches!(scheme, Scheme::Central | Scheme::MultistepImplicit) {
+            if let Some(obstacles) = &mut self.obstacles {
+                obstacles.press(&self.layout, &self.faces, &self.pressure.next, part.dt_s);
+            }
             self.learn_pressure(part);
         }
         survey
@@ -92,7 +102,9 @@ impl Flow {
         let spacing_m = f64::from(self.grid.spacing_m);
         let scale = self.force_scale[0].abs().max(self.force_scale[1].abs());
         let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale);
-        let speed_m_s = before.speed_m_s.max(self.side_speed_m_s) + pull * dt_s;
+        let solids_m_s = self.obstacles.as_ref().map_or(0.0, |obstacles| obstacles.speed_m_s());
+        let given_m_s = self.side_speed_m_s.max(solids_m_s);
+        let speed_m_s = before.speed_m_s.max(given_m_s) + pull * dt_s;
         let cfl = speed_m_s * dt_s / spacing_m;
         plan(cfl, 12.0 * self.diffusion_number(dt_s), self.forced)
     }
@@ -107,7 +119,19 @@ impl Flow {
     fn is_forced(&self) -> bool {
         let is_pushed = self.force.as_ref().is_some_and(|force| force.largest_m_s2 > 0.0)
             && self.force_scale != [0.0; 2];
-        is_pushed || self.side_speed_m_s > 0.0
+        is_pushed || self.side_speed_m_s > 0.0 || self.is_stirred()
+    }
+
+    /// True if an obstacle moves.
+    fn is_stirred(&self) -> bool {
+        self.faces.solids().is_some_and(|solids| solids.is_moving)
+    }
+
+    /// Counts the last projection as a push on obstacles.
+    pub(super) fn press_obstacles(&mut self, times: f64) {
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.press(&self.layout, &self.faces, self.projection.found(), times);
+        }
     }
 
     pub(super) fn diffusion_number(&self, dt_s: f64) -> f64 {
@@ -122,7 +146,7 @@ impl Flow {
     }
 
     /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
-    /// What it does exceed it by is added up until it is worth an action. What moving sides and
+    /// What it does exceed it by is added up until it is worth an action. What moving sides, obstacles and
     /// openings give is not known here: there only the speed is bounded.
     fn guard(
         &mut self,
@@ -135,7 +159,8 @@ impl Flow {
         let push_s = 0.5 * dt_s * (self.force_scale[0] + self.force_scale[1]);
         let work = 0.5 * push_s * (before.power_m2_s3 + after.power_m2_s3);
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
-        self.excess_m2_s2 = if self.is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
+        let is_driven = self.is_driven || self.is_stirred();
+        self.excess_m2_s2 = if is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
         let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());
         let excess = if is_tolerated { 0.0 } else { self.excess_m2_s2 };
         let for_energy = ((after.energy_m2_s2 - excess)
@@ -153,6 +178,7 @@ impl Flow {
         for u in self.velocity.iter_mut().flat_map(|u| u.iter_mut()) {
             *u *= scale as f32;
         }
+        self.faces.hold(&mut self.velocity);
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
         self.survey = None;
         self.surveyed()

@@ -51,6 +51,9 @@ impl Viscous {
         apply(on, &self.layout, components(velocity), rhs, [0.0, -a]);
         if let Some(vessel) = &on.faces.vessel {
             vessel.walls.weigh(rhs, true);
+            if let Some(solids) = &vessel.solids {
+                solids.pull(rhs, a);
+            }
         }
     }
 

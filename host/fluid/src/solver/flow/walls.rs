@@ -40,13 +40,15 @@ const MOST_INERTIA: f32 = 0.75;
 
 /// A face beside a wall.
 #[derive(Clone, Copy)]
-struct WallFace {
-    at: u32,
-    inertia: f32,
-    per_inertia: f32,
-    drag: f32,
+pub struct WallFace {
+    pub at: u32,
+    pub inertia: f32,
+    pub per_inertia: f32,
+    pub drag: f32,
     /// Areas towards its neighbours: before and behind along x, y and z.
     areas: [[f32; 2]; 3],
+    /// The obstacle that the wall is, if it is one.
+    pub owner: Option<u32>,
 }
 
 /// The faces beside walls, by component and plane, in the order of memory.
@@ -142,7 +144,30 @@ impl WallFaces {
         }
     }
 
-    fn in_plane(&self, c: usize, k: usize) -> &[WallFace] {
+    /// Says which obstacle the walls of `cells` are: `owner(component, index)`.
+    pub fn own(
+        &mut self,
+        layout: &Layout,
+        [x, y, z]: &CellBox,
+        owner: impl Fn(usize, usize) -> Option<u32>,
+    ) {
+        for c in 0..3 {
+            for face in self.0[c][z.clone()].iter_mut().flatten() {
+                let [i, j, _] = layout.cell_of(face.at as usize);
+                if x.contains(&i) && y.contains(&j) {
+                    face.owner = owner(c, face.at as usize);
+                }
+            }
+        }
+    }
+
+    /// The faces of component `c`, in the order of memory.
+    pub fn of_component(&self, c: usize) -> impl Iterator<Item = &WallFace> {
+        self.0[c].iter().flatten()
+    }
+
+    /// The faces of component `c` in plane `k`.
+    pub fn in_plane(&self, c: usize, k: usize) -> &[WallFace] {
         &self.0[c][k]
     }
 
@@ -219,14 +244,15 @@ impl WallFace {
             }
         }
         let (at, per_inertia) = (at as u32, 1.0 / inertia);
-        is_cut.then_some(Self { at, inertia, per_inertia, drag: 0.0, areas })
+        is_cut.then_some(Self { at, inertia, per_inertia, drag: 0.0, areas, owner: None })
     }
 
     fn in_own(&self, layout: &Layout, k: usize) -> usize {
         self.at as usize - (k + 1) * layout.plane
     }
 
-    fn area(&self) -> f32 {
+    /// Sum of A_g.
+    pub fn area(&self) -> f32 {
         self.areas.iter().flatten().sum()
     }
 
@@ -236,7 +262,7 @@ impl WallFace {
     }
 
     /// Sum of A_g value_g.
-    fn around(&self, layout: &Layout, values: &[f32]) -> f32 {
+    pub fn around(&self, layout: &Layout, values: &[f32]) -> f32 {
         let (at, strides) = (self.at as usize, layout.strides());
         let both = |d: usize| {
             self.areas[d][0] * values[at - strides[d]] + self.areas[d][1] * values[at + strides[d]]
@@ -275,6 +301,27 @@ impl WallFace {
         }
         held[1] = self.friction(&stage.layout, own);
         (free, held)
+    }
+}
+
+impl WallFace {
+    /// Sum of doubled fluxes of what the neighbours have more than the face: of all neighbours, and
+    /// of those that are open.
+    pub fn advection(&self, stage: &Stage<'_>, area: &Vector, c: usize) -> [f32; 2] {
+        let (at, strides) = (self.at as usize, stage.layout.strides());
+        let (own, behind) = (stage.velocity[c], strides[c]);
+        let (mut all, mut open) = (0.0, 0.0);
+        for d in 0..3 {
+            let (u, a) = (stage.velocity[d], &area[d]);
+            let flux = |upper: usize| a[upper] * u[upper] + a[upper - behind] * u[upper - behind];
+            let (low, high) = (at - strides[d], at + strides[d]);
+            for (neighbour, out) in [(low, -flux(at)), (high, flux(high))] {
+                let brought = out * (own[neighbour] - own[at]);
+                all += brought;
+                open += if area[c][neighbour] > 0.0 { brought } else { 0.0 };
+            }
+        }
+        [all, open]
     }
 }
 
@@ -342,8 +389,17 @@ pub fn hold(
 }
 
 /// The same for rates of change that are kept; closed faces are left as they are.
-pub fn correct(on: Engine<'_>, stage: Stage<'_>, k: usize, weights: Weights, out: [&mut [f32]; 3]) {
+pub fn correct(
+    on: Engine<'_>,
+    stage: Stage<'_>,
+    k: usize,
+    weights: Weights,
+    mut out: [&mut [f32]; 3],
+) {
     if let Some(vessel) = &on.faces.vessel {
-        vessel.walls.correct(stage, &vessel.area, k, weights, out);
+        vessel.walls.correct(stage, &vessel.area, k, weights, out.each_mut().map(|out| &mut **out));
+        if let Some(solids) = &vessel.solids {
+            solids.correct(stage, k, weights, out);
+        }
     }
 }

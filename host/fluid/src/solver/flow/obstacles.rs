@@ -1,0 +1,458 @@
+//! Obstacles of a [`Flow`]: where they are, and what they do to its faces when they move.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+
+use crate::{
+    grid::Grid,
+    solver::{
+        Motion, Obstacle, ObstacleId, Refused, Shape, Walls,
+        flow::{
+            Flow,
+            faces::{Faces, Section},
+            field::{Layout, Vector},
+            ghosts::Fill,
+            pressure::{Prediction, Projection},
+            reaction::{Account, Wrench},
+            solids::{Covered, Solids, balance::Balance},
+            trace::face_in_cells,
+            walls::Depth,
+        },
+    },
+    vessel::cut::{CellBox, Cut, each},
+};
+
+/// Cells about those that an obstacle cuts whose faces it can change.
+const MARGIN: isize = 2;
+
+/// Cells, those beyond the sides too.
+type Span = [Range<isize>; 3];
+
+/// An obstacle in the grid.
+pub struct Body {
+    pub id: u32,
+    pub obstacle: Obstacle,
+    /// The cells that it can cut, those beyond the sides too.
+    span: Span,
+    /// What the liquid gave it.
+    pub account: Account,
+}
+
+/// All obstacles of a flow, and what they have to know of it.
+pub struct Obstacles {
+    pub bodies: Vec<Body>,
+    pub place: Place,
+    cut: Cut,
+    depth: Option<Depth>,
+    /// What the vessel alone leaves open of each face, and which it lets liquid pass.
+    area: Vector,
+    pub open: Vector,
+    balance: Balance,
+    /// Velocities at faces beside bodies, before and after an implicit part.
+    pub beside: [[Vec<f32>; 3]; 2],
+    next_id: u32,
+}
+
+/// The grid, which may be one period of a larger one.
+#[derive(Clone, Copy)]
+pub struct Place {
+    pub grid: Grid,
+    is_periodic: [bool; 3],
+}
+
+impl Place {
+    /// From the centre of an obstacle, or its nearest image, to a point.
+    pub fn from_centre_m(&self, motion: &Motion, point_in_world_m: Vec3) -> Vec3 {
+        let mut from = point_in_world_m - motion.centre_in_world_m;
+        let extent_m = self.grid.extent_m();
+        for axis in (0..3).filter(|axis| self.is_periodic[*axis]) {
+            from[axis] -= extent_m[axis] * (from[axis] / extent_m[axis]).round();
+        }
+        from
+    }
+
+    fn distance_m(&self, obstacle: &Obstacle, point_in_world_m: Vec3) -> f32 {
+        let from = self.from_centre_m(&obstacle.motion, point_in_world_m);
+        obstacle.shape.distance_m(obstacle.motion.rotation.inverse() * from)
+    }
+
+    /// The nearest obstacle to a point and its distance.
+    fn nearest<'a>(&self, bodies: &'a [Body], point_in_world_m: Vec3) -> (Option<&'a Body>, f32) {
+        let mut nearest = (None, f32::INFINITY);
+        for body in bodies {
+            let distance_m = self.distance_m(&body.obstacle, point_in_world_m);
+            if distance_m < nearest.1 {
+                nearest = (Some(body), distance_m);
+            }
+        }
+        nearest
+    }
+
+    /// Face `c` of a cell in world metres.
+    fn face_in_world_m(&self, c: usize, [i, j, k]: [usize; 3]) -> Vec3 {
+        self.grid.origin_in_world_m + self.grid.spacing_m * face_in_cells(c, i, j, k)
+    }
+
+    /// The cells that an obstacle can cut.
+    fn span(&self, obstacle: &Obstacle) -> Span {
+        let motion = obstacle.motion;
+        let corners = obstacle.shape.bounds_m();
+        let turned = (0..8).map(|corner: usize| {
+            let at = |axis: usize| corners[corner >> axis & 1][axis];
+            motion.rotation * Vec3::new(at(0), at(1), at(2))
+        });
+        let is_round = matches!(obstacle.shape, Shape::Sphere { .. });
+        let [low, high] = match is_round {
+            true => corners,
+            false => turned.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], at| {
+                [low.min(at), high.max(at)]
+            }),
+        };
+        let centre = (motion.centre_in_world_m - self.grid.origin_in_world_m) / self.grid.spacing_m;
+        std::array::from_fn(|axis| {
+            let n = self.grid.cells[axis] as f32;
+            let home = if self.is_periodic[axis] { centre[axis].rem_euclid(n) } else { centre[axis] };
+            let [low, high] = [low, high].map(|end| home + end[axis] / self.grid.spacing_m);
+            let within = |cell: f32| cell.clamp(-n - 9.0, 2.0 * n + 9.0) as isize;
+            within(low.floor() - 1.0)..within(high.ceil() + 1.0)
+        })
+    }
+
+    /// The parts of a span, and so many more cells to each side, that are in the grid, where they come in again
+    /// through periodic sides too.
+    fn parts(&self, span: &Span, margin: isize) -> impl Iterator<Item = CellBox> + use<> {
+        let (cells, is_periodic, span) = (self.grid.cells, self.is_periodic, span.clone());
+        let part = move |number: isize| {
+            let part: CellBox = std::array::from_fn(|axis| {
+                let n = cells[axis] as isize;
+                let shift = (number / 3isize.pow(axis as u32) % 3 - 1) * n;
+                let ends = [span[axis].start - margin, span[axis].end + margin];
+                let [start, end] = ends.map(|end| (end + shift).clamp(0, n) as usize);
+                if shift != 0 && !is_periodic[axis] { 0..0 } else { start..end }
+            });
+            part.iter().all(|range| !range.is_empty()).then_some(part)
+        };
+        (0..27).filter_map(part)
+    }
+}
+
+impl Obstacles {
+    fn index_of(&self, id: ObstacleId) -> Result<usize, Refused> {
+        let index = self.bodies.iter().position(|body| body.id == id.0);
+        index.ok_or(Refused { what: "obstacle", value: f64::from(id.0) })
+    }
+
+    /// Largest |u| + |v| + |w| of a point of an obstacle.
+    pub fn speed_m_s(&self) -> f64 {
+        let speed = |body: &Body| {
+            let Motion { velocity_m_s, angular_velocity_rad_s, .. } = body.obstacle.motion;
+            let turning = angular_velocity_rad_s.length() * body.obstacle.shape.reach_m();
+            f64::from(velocity_m_s.abs().element_sum() + 1.8 * turning)
+        };
+        self.bodies.iter().map(speed).fold(0.0, f64::max)
+    }
+
+    /// The solid's velocity at a face, and the way to it from the solid's centre.
+    pub fn wall_at(&self, layout: &Layout, c: usize, at: usize, body: &Body) -> (f32, Vec3) {
+        let point = self.place.face_in_world_m(c, layout.cell_of(at));
+        let from_centre_m = self.place.from_centre_m(&body.obstacle.motion, point);
+        (body.obstacle.motion.velocity_at(from_centre_m)[c], from_centre_m)
+    }
+
+    /// The obstacle of that number.
+    pub fn body(&self, id: u32) -> Option<&Body> {
+        self.bodies.iter().find(|body| body.id == id)
+    }
+
+    /// Cuts cells and faces anew where obstacles were or are.
+    fn reshape(&mut self, flow: &mut Flow, changed: &[Span]) {
+        let Self { bodies, place, cut, depth, .. } = self;
+        for part in changed.iter().flat_map(|span| place.parts(span, 0)) {
+            cut.obstruct(&part, |point| place.nearest(bodies, point).1);
+        }
+        for part in changed.iter().flat_map(|span| place.parts(span, MARGIN)) {
+            let section = Section { layout: &flow.layout, sides: &flow.sides, cut };
+            flow.faces.refresh(section, depth.as_mut(), &part);
+            if let Some(vessel) = &mut flow.faces.vessel {
+                let owner = |c, at| {
+                    let point = place.face_in_world_m(c, flow.layout.cell_of(at));
+                    let (body, distance_m) = place.nearest(bodies, point);
+                    let is_nearer = distance_m < flow.vessel.depth_inside_m(point);
+                    body.filter(|_| is_nearer).map(|body| body.id)
+                };
+                vessel.walls.own(&flow.layout, &part, owner);
+            }
+            flow.fill_pressure_in(&part);
+        }
+    }
+
+    /// Lets the flow know of all that moves.
+    fn set_motion(&mut self, flow: &mut Flow) {
+        let Some(mut solids) = flow.faces.vessel.as_mut().and_then(|vessel| vessel.solids.take())
+        else {
+            return;
+        };
+        let Flow { layout, ghosts, faces, velocity, .. } = flow;
+        if let Some(vessel) = &faces.vessel {
+            for c in 0..3 {
+                solids.cover(c, self.covered(layout, c, &vessel.area[c]));
+            }
+            solids.set_swell(layout, ghosts, &faces.liquid);
+            if solids.is_moving || flow.is_driven {
+                self.balance.balance(layout, ghosts, faces, velocity, &mut solids.swell);
+            }
+            ghosts.wrap_cells(&mut solids.swell);
+            solids.set_beside(layout, &vessel.walls, |c, at, owner| {
+                self.body(owner).map_or(0.0, |body| self.wall_at(layout, c, at, body).0)
+            });
+        }
+        solids.hold(velocity);
+        if let Some(vessel) = &mut faces.vessel {
+            vessel.solids = Some(solids);
+        }
+        flow.touched();
+    }
+
+    /// The faces of component `c` that solids cover.
+    fn covered(&self, layout: &Layout, c: usize, area: &[f32]) -> Vec<Covered> {
+        let mut covered = Vec::new();
+        for body in &self.bodies {
+            for mut part in self.place.parts(&body.span, MARGIN) {
+                let is_end = part[c].end == layout.cells[c] && !self.place.is_periodic[c];
+                part[c].end += usize::from(is_end);
+                each(&part, |face| {
+                    let at = layout.index(face[0], face[1], face[2]);
+                    let part = self.area[c][at] - area[at];
+                    if part <= 0.0 {
+                        return;
+                    }
+                    let point = self.place.face_in_world_m(c, face);
+                    let nearest = self.place.nearest(&self.bodies, point).0;
+                    if nearest.is_some_and(|nearest| nearest.id == body.id) {
+                        let (velocity_m_s, _) = self.wall_at(layout, c, at, body);
+                        let is_side = !self.place.is_periodic[c]
+                            && (face[c] == 0 || face[c] == layout.cells[c]);
+                        let is_closed = area[at] == 0.0 && !is_side;
+                        let at = at as u32;
+                        covered.push(Covered { at, owner: body.id, part, velocity_m_s, is_closed });
+                    }
+                });
+            }
+        }
+        covered
+    }
+}
+
+/// Two spans, or one if that is no more.
+fn united(a: Span, b: Span) -> Vec<Span> {
+    let size = |span: &Span| span.iter().map(|range| range.len()).product::<usize>();
+    let both: Span =
+        std::array::from_fn(|axis| a[axis].start.min(b[axis].start)..a[axis].end.max(b[axis].end));
+    if size(&both) <= size(&a) + size(&b) { vec![both] } else { vec![a, b] }
+}
+
+impl Flow {
+    /// Puts a solid into the liquid: its wall is like those of [`crate::solver::Setup::walls`], and cuts
+    /// cells as a vessel's does. What it covers is liquid no more.
+    ///
+    /// In a box without a vessel, the pressure is solved for iteratively from the first obstacle
+    /// on, until the last is removed.
+    ///
+    /// # Errors
+    /// [`Refused`] if [`Obstacle::check`] says so; nothing is changed.
+    ///
+    /// Drag on a ball in a slow stream, which by Stokes' law would be 6 pi mu a u if there were
+    /// no other balls beside it:
+    /// ```
+    /// use std::f64::consts::PI;
+    ///
+    /// use cauldron_fluid::{Grid, Vessel, solver::{Obstacle, Setup, Side, Sides, Solver, Walls, flow::Flow}};
+    /// use glam::{DVec3, Vec3};
+    ///
+    /// let stream = [Side::Inflow(Vec3::X), Side::Outflow];
+    /// let sides = Sides::all(Side::FreeSlip).with(0, stream);
+    /// let setup = Setup {
+    ///     viscosity_m2_s: 1.0,
+    ///     sides,
+    ///     walls: Walls::NoSlip,
+    ///     ..Setup::new(Grid::unit_cube(16), Vessel::Box)
+    /// };
+    /// let mut flow = Flow::new(&setup)?;
+    /// let ball = flow.add_obstacle(Obstacle::sphere(Vec3::splat(0.5), 0.1))?;
+    /// for _ in 0..20 {
+    ///     flow.step(0.02)?;
+    /// }
+    /// let stokes_n = 6.0 * PI * 1000.0 * 0.1;
+    /// let drag = flow.force_on_n(ball)?.x / stokes_n;
+    /// assert!(1.0 < drag && drag < 2.0, "{drag}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn add_obstacle(&mut self, mut obstacle: Obstacle) -> Result<ObstacleId, Refused> {
+        obstacle.check()?;
+        obstacle.motion.rotation = obstacle.motion.rotation.normalize();
+        let mut obstacles = match self.obstacles.take() {
+            Some(obstacles) => obstacles,
+            None => Box::new(self.make_room()),
+        };
+        obstacles.next_id += 1;
+        let (id, span) = (obstacles.next_id, obstacles.place.span(&obstacle));
+        obstacles.bodies.push(Body { id, obstacle, span: span.clone(), account: Account::default() });
+        obstacles.reshape(self, &[span]);
+        self.forget();
+        obstacles.set_motion(self);
+        self.obstacles = Some(obstacles);
+        Ok(ObstacleId(id))
+    }
+
+    /// Says where an obstacle is from now on, and how fast it moves there. The flow does not move
+    /// it by itself: a moving obstacle is to be told where it is at the end of each step, before
+    /// that step. It may be anywhere, also beyond the sides (where it has no effect) or in the
+    /// place of another, and come there at once: what it leaves has its last velocity. Through
+    /// a periodic side it comes in again.
+    ///
+    /// The cost is that of the cells about it, and of looking at all to see which are shut in.
+    ///
+    /// # Errors
+    /// [`Refused`] if there is no such obstacle, or [`Obstacle::check`] says so; nothing is
+    /// changed.
+    pub fn move_obstacle(&mut self, id: ObstacleId, motion: Motion) -> Result<(), Refused> {
+        let index = self.index_of(id)?;
+        let Some(mut obstacles) = self.obstacles.take() else { return Ok(()) };
+        let body = &mut obstacles.bodies[index];
+        let moved = Obstacle { motion, ..body.obstacle.clone() };
+        let checked = moved.check();
+        if checked.is_ok() {
+            let before = std::mem::replace(&mut body.obstacle, moved).motion;
+            let after = &mut body.obstacle.motion;
+            after.rotation = motion.rotation.normalize();
+            let way_m = after.centre_in_world_m.distance(before.centre_in_world_m);
+            if way_m > 0.0 || after.rotation != before.rotation {
+                let span = obstacles.place.span(&body.obstacle);
+                let left = std::mem::replace(&mut body.span, span.clone());
+                obstacles.reshape(self, &united(left, span));
+            }
+            if way_m > self.grid.spacing_m {
+                self.forget();
+            }
+            obstacles.set_motion(self);
+        }
+        self.obstacles = Some(obstacles);
+        checked
+    }
+
+    /// Takes an obstacle out: liquid with its last velocity is left in its place.
+    ///
+    /// # Errors
+    /// [`Refused`] if there is no such obstacle.
+    pub fn remove_obstacle(&mut self, id: ObstacleId) -> Result<(), Refused> {
+        let index = self.index_of(id)?;
+        let Some(mut obstacles) = self.obstacles.take() else { return Ok(()) };
+        let body = obstacles.bodies.remove(index);
+        self.forget();
+        if obstacles.bodies.is_empty() {
+            let Self { layout, grid, vessel, sides, walls, .. } = self;
+            self.faces = Faces::new(layout, grid, vessel, sides, *walls);
+            self.projection = Projection::new(layout, &self.faces, &self.ghosts, &self.pool);
+            self.fluxes = self.faces.vessel.is_some().then(|| layout.zero_vector());
+            self.touched();
+            return Ok(());
+        }
+        obstacles.reshape(self, &[body.span]);
+        obstacles.set_motion(self);
+        self.obstacles = Some(obstacles);
+        Ok(())
+    }
+
+    /// The force of the liquid on an obstacle: the mean over the last step, with its lift in
+    /// what [`crate::solver::Solver::set_force`] pulls. It is what pressure and friction took from the liquid's
+    /// momentum; in steps that were traced ([`crate::solver::Scheme::Traced`]), without what tracing lost beside the obstacle.
+    ///
+    /// # Errors
+    /// [`Refused`] if there is no such obstacle.
+    pub fn force_on_n(&self, id: ObstacleId) -> Result<DVec3, Refused> {
+        self.mean_of(id).map(|mean| mean.force)
+    }
+
+    /// The torque of the liquid on an obstacle about its centre, as [`Flow::force_on_n`].
+    ///
+    /// # Errors
+    /// [`Refused`] if there is no such obstacle.
+    pub fn torque_on_n_m(&self, id: ObstacleId) -> Result<DVec3, Refused> {
+        self.mean_of(id).map(|mean| mean.torque)
+    }
+
+    fn mean_of(&self, id: ObstacleId) -> Result<Wrench, Refused> {
+        let index = self.index_of(id)?;
+        Ok(self.obstacles.as_ref().map_or(Wrench::ZERO, |all| all.bodies[index].account.mean))
+    }
+
+    fn index_of(&self, id: ObstacleId) -> Result<usize, Refused> {
+        let unknown = Refused { what: "obstacle", value: f64::from(id.0) };
+        self.obstacles.as_ref().ok_or(unknown)?.index_of(id)
+    }
+
+    /// Room for obstacles, and faces that they can cut.
+    fn make_room(&mut self) -> Obstacles {
+        let (layout, sides) = (&self.layout, &self.sides);
+        let cut = Cut::new(&self.grid, &self.vessel);
+        let mut depth = (self.walls == Walls::NoSlip).then(|| Depth::new(layout));
+        self.faces = Faces::of_section(Section { layout, sides, cut: &cut }, depth.as_mut());
+        self.projection = Projection::new(layout, &self.faces, &self.ghosts, &self.pool);
+        self.fluxes = Some(layout.zero_vector());
+        let copy = |from: &Vector| {
+            let mut to = layout.zero_vector();
+            to.iter_mut().zip(from).for_each(|(to, from)| to.copy_from_slice(from));
+            to
+        };
+        let mut area = layout.zero_vector();
+        if let Some(vessel) = &mut self.faces.vessel {
+            area = copy(&vessel.area);
+            vessel.solids = Some(Solids::new(layout));
+        }
+        Obstacles {
+            bodies: Vec::new(),
+            place: Place {
+                grid: self.grid,
+                is_periodic: [0, 1, 2].map(|axis| sides.is_periodic(axis)),
+            },
+            cut,
+            depth,
+            area,
+            open: copy(&self.faces.open),
+            balance: Balance::new(layout),
+            beside: Default::default(),
+            next_id: 0,
+        }
+    }
+
+    /// Nothing that was extrapolated from the last step holds any more.
+    fn forget(&mut self) {
+        self.pressure_dt_s = 0.0;
+        self.history = None;
+    }
+
+    /// Brings up to date what follows from the velocity, once it was changed.
+    fn touched(&mut self) {
+        self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.set_fluxes();
+        self.survey = None;
+    }
+
+    /// No pressure in cells that hold no liquid, that of their neighbours in those that do again.
+    fn fill_pressure_in(&mut self, part: &CellBox) {
+        let strides = self.layout.strides();
+        let (liquid, Prediction { next, trend, .. }) = (&self.faces.liquid, &mut self.pressure);
+        each(part, |[i, j, k]| {
+            let at = self.layout.index(i, j, k);
+            if liquid[at] == 0.0 {
+                (next[at], trend[at]) = (0.0, 0.0);
+            } else if next[at] == 0.0 {
+                let around = strides.into_iter().flat_map(|stride| [at - stride, at + stride]);
+                let known = around.map(|at| next[at]).filter(|next| *next != 0.0);
+                let (sum, count) = known.fold((0.0, 0.0), |(s, n), next| (s + next, n + 1.0));
+                next[at] = if count > 0.0 { sum / count } else { 0.0 };
+            }
+        });
+    }
+}
