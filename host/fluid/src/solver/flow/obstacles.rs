@@ -200,7 +200,7 @@ impl Obstacles {
             }
             solids.set_swell(layout, ghosts, &faces.liquid);
             if solids.is_moving || flow.is_driven {
-                self.balance.balance(layout, ghosts, faces, velocity, &mut solids.swell);
+                solids.balance(&mut self.balance, layout, ghosts, faces, velocity);
             }
             ghosts.wrap_cells(&mut solids.swell);
             solids.set_beside(layout, &vessel.walls, |c, at, owner| {

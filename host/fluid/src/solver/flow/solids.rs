@@ -12,7 +12,9 @@
 
 pub mod balance;
 
+use self::balance::Balance;
 use crate::solver::flow::{
+    faces::Faces,
     field::{Field, Layout, Vector},
     ghosts::Ghosts,
     momentum::Stage,
@@ -100,6 +102,18 @@ impl Solids {
                 self.swell[below] += out * liquid[below];
             }
         }
+    }
+
+    /// Lets no pocket of liquid be asked for more than it has.
+    pub fn balance(
+        &mut self,
+        balance: &mut Balance,
+        layout: &Layout,
+        ghosts: &Ghosts,
+        faces: &Faces,
+        velocity: &Vector,
+    ) {
+        balance.balance(layout, ghosts, faces, velocity, &self.covered, &mut self.swell);
     }
 
     /// Sets what moving solids do to the faces of liquid beside them; `wall_m_s(component, index,
