@@ -17,14 +17,14 @@ use crate::{
             reaction::{Account, Wrench},
             solids::{Covered, Solids, balance::Balance},
             trace::face_in_cells,
-            walls::Depth,
+            walls::{Depth, WallFaces},
         },
     },
     vessel::cut::{CellBox, Cut, each},
 };
 
-/// Cells about those that an obstacle cuts whose faces it can change.
-const MARGIN: isize = 2;
+/// Cells about those that a wall passes whose faces it can change.
+const MARGIN: f32 = 2.0;
 
 /// Cells, those beyond the sides too.
 type Span = [Range<isize>; 3];
@@ -33,10 +33,19 @@ type Span = [Range<isize>; 3];
 pub struct Body {
     pub id: u32,
     pub obstacle: Obstacle,
-    /// The cells that it can cut, those beyond the sides too.
+    /// The cells that it has to do with.
     span: Span,
+    /// The way that it has come since the last step, and the share of what its velocity says.
+    came_m: f32,
+    share: f32,
     /// What the liquid gave it.
     pub account: Account,
+}
+
+impl Body {
+    fn new(id: u32, obstacle: Obstacle, span: Span) -> Self {
+        Self { id, obstacle, span, came_m: 0.0, share: 0.0, account: Account::default() }
+    }
 }
 
 /// All obstacles of a flow, and what they have to know of it.
@@ -94,7 +103,7 @@ impl Place {
         self.grid.origin_in_world_m + self.grid.spacing_m * face_in_cells(c, i, j, k)
     }
 
-    /// The cells that an obstacle can cut.
+    /// The cells that an obstacle has to do with.
     fn span(&self, obstacle: &Obstacle) -> Span {
         let motion = obstacle.motion;
         let corners = obstacle.shape.bounds_m();
@@ -115,19 +124,19 @@ impl Place {
             let home = if self.is_periodic[axis] { centre[axis].rem_euclid(n) } else { centre[axis] };
             let [low, high] = [low, high].map(|end| home + end[axis] / self.grid.spacing_m);
             let within = |cell: f32| cell.clamp(-n - 9.0, 2.0 * n + 9.0) as isize;
-            within(low.floor() - 1.0)..within(high.ceil() + 1.0)
+            within(low.floor() - MARGIN)..within(high.ceil() + MARGIN)
         })
     }
 
-    /// The parts of a span, and so many more cells to each side, that are in the grid, where they come in again
-    /// through periodic sides too.
-    fn parts(&self, span: &Span, margin: isize) -> impl Iterator<Item = CellBox> + use<> {
+    /// The parts of a span that are in the grid, where they come in again through periodic sides
+    /// too.
+    fn parts(&self, span: &Span) -> impl Iterator<Item = CellBox> + use<> {
         let (cells, is_periodic, span) = (self.grid.cells, self.is_periodic, span.clone());
         let part = move |number: isize| {
             let part: CellBox = std::array::from_fn(|axis| {
                 let n = cells[axis] as isize;
                 let shift = (number / 3isize.pow(axis as u32) % 3 - 1) * n;
-                let ends = [span[axis].start - margin, span[axis].end + margin];
+                let ends = [span[axis].start, span[axis].end];
                 let [start, end] = ends.map(|end| (end + shift).clamp(0, n) as usize);
                 if shift != 0 && !is_periodic[axis] { 0..0 } else { start..end }
             });
@@ -168,10 +177,10 @@ impl Obstacles {
     /// Cuts cells and faces anew where obstacles were or are.
     fn reshape(&mut self, flow: &mut Flow, changed: &[Span]) {
         let Self { bodies, place, cut, depth, .. } = self;
-        for part in changed.iter().flat_map(|span| place.parts(span, 0)) {
+        for part in changed.iter().flat_map(|span| place.parts(span)) {
             cut.obstruct(&part, |point| place.nearest(bodies, point).1);
         }
-        for part in changed.iter().flat_map(|span| place.parts(span, MARGIN)) {
+        for part in changed.iter().flat_map(|span| place.parts(span)) {
             let section = Section { layout: &flow.layout, sides: &flow.sides, cut };
             flow.faces.refresh(section, depth.as_mut(), &part);
             if let Some(vessel) = &mut flow.faces.vessel {
@@ -194,6 +203,9 @@ impl Obstacles {
             return;
         };
         let Flow { layout, ghosts, faces, velocity, .. } = flow;
+        if flow.walls == Walls::FreeSlip {
+            solids.uncover(layout, &faces.open, velocity);
+        }
         if let Some(vessel) = &faces.vessel {
             for c in 0..3 {
                 solids.cover(c, self.covered(layout, c, &vessel.area[c]));
@@ -203,9 +215,7 @@ impl Obstacles {
                 solids.balance(&mut self.balance, layout, ghosts, faces, velocity);
             }
             ghosts.wrap_cells(&mut solids.swell);
-            solids.set_beside(layout, &vessel.walls, |c, at, owner| {
-                self.body(owner).map_or(0.0, |body| self.wall_at(layout, c, at, body).0)
-            });
+            self.set_beside(layout, &vessel.walls, &mut solids);
         }
         solids.hold(velocity);
         if let Some(vessel) = &mut faces.vessel {
@@ -214,11 +224,34 @@ impl Obstacles {
         flow.touched();
     }
 
+    fn set_beside(&self, layout: &Layout, walls: &WallFaces, solids: &mut Solids) {
+        solids.set_beside(layout, walls, |c, at, owner| {
+            let body = self.body(owner);
+            body.map_or((0.0, 0.0), |body| (self.wall_at(layout, c, at, body).0, body.share))
+        });
+    }
+
+    /// Takes note of how far bodies have come for a step of this length.
+    pub fn sweep(&mut self, layout: &Layout, faces: &mut Faces, dt_s: f64) {
+        let mut has_changed = false;
+        for body in &mut self.bodies {
+            let said_m = body.obstacle.motion.velocity_m_s.length() * dt_s as f32;
+            let came_m = std::mem::take(&mut body.came_m);
+            let share = if said_m > 0.0 { (came_m / said_m).min(1.0) } else { 0.0 };
+            has_changed |= std::mem::replace(&mut body.share, share) != share;
+        }
+        if let (Some(vessel), true) = (&mut faces.vessel, has_changed)
+            && let Some(solids) = &mut vessel.solids
+        {
+            self.set_beside(layout, &vessel.walls, solids);
+        }
+    }
+
     /// The faces of component `c` that solids cover.
     fn covered(&self, layout: &Layout, c: usize, area: &[f32]) -> Vec<Covered> {
         let mut covered = Vec::new();
         for body in &self.bodies {
-            for mut part in self.place.parts(&body.span, MARGIN) {
+            for mut part in self.place.parts(&body.span) {
                 let is_end = part[c].end == layout.cells[c] && !self.place.is_periodic[c];
                 part[c].end += usize::from(is_end);
                 each(&part, |face| {
@@ -297,7 +330,7 @@ impl Flow {
         };
         obstacles.next_id += 1;
         let (id, span) = (obstacles.next_id, obstacles.place.span(&obstacle));
-        obstacles.bodies.push(Body { id, obstacle, span: span.clone(), account: Account::default() });
+        obstacles.bodies.push(Body::new(id, obstacle, span.clone()));
         obstacles.reshape(self, &[span]);
         self.forget();
         obstacles.set_motion(self);
@@ -308,8 +341,9 @@ impl Flow {
     /// Says where an obstacle is from now on, and how fast it moves there. The flow does not move
     /// it by itself: a moving obstacle is to be told where it is at the end of each step, before
     /// that step. It may be anywhere, also beyond the sides (where it has no effect) or in the
-    /// place of another, and come there at once: what it leaves has its last velocity. Through
-    /// a periodic side it comes in again.
+    /// place of another, and come there at once: what it leaves is liquid with its last velocity
+    /// (or, where walls slide, with that of the liquid around). Through a periodic side it comes
+    /// in again. Where liquid that is shut in is asked to give way, it is taken to shrink or swell.
     ///
     /// The cost is that of the cells about it, and of looking at all to see which are shut in.
     ///
@@ -327,6 +361,7 @@ impl Flow {
             let after = &mut body.obstacle.motion;
             after.rotation = motion.rotation.normalize();
             let way_m = after.centre_in_world_m.distance(before.centre_in_world_m);
+            body.came_m += way_m;
             if way_m > 0.0 || after.rotation != before.rotation {
                 let span = obstacles.place.span(&body.obstacle);
                 let left = std::mem::replace(&mut body.span, span.clone());

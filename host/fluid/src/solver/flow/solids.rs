@@ -7,7 +7,8 @@
 //! m du/dt = ... + u (swell of both cells) / (2 h) + nu/h^2 W U
 //! ```
 //! The first of the two is that nothing passes a wall that moves: the liquid beside it takes its
-//! momentum along; the second is friction towards the solid's velocity (W as in
+//! momentum along (a wall that has not come as far as its velocity says does so in part: liquid
+//! that it never reaches would gain without end); the second is friction towards the solid's velocity (W as in
 //! [`super::walls`]). A face that is covered wholly has the velocity of the solid.
 
 pub mod balance;
@@ -67,6 +68,25 @@ impl Solids {
         }
     }
 
+    /// Gives faces that are covered wholly no more the velocity of the liquid beside them, which slides
+    /// along walls: that of the solid, which they have, would drag it.
+    pub fn uncover(&self, layout: &Layout, open: &Vector, velocity: &mut Vector) {
+        for ((covered, open), u) in self.covered.iter().zip(open).zip(velocity) {
+            let fresh = || {
+                let closed = covered.iter().filter(|face| face.is_closed);
+                closed.filter(|face| open[face.at as usize] > 0.0)
+            };
+            fresh().for_each(|face| u[face.at as usize] = f32::NAN);
+            for face in fresh() {
+                let at = face.at as usize;
+                let around = layout.strides().into_iter().flat_map(|s| [at - s, at + s]);
+                let liquid = around.filter(|at| open[*at] > 0.0 && !u[*at].is_nan());
+                let (sum, count) = liquid.fold((0.0, 0.0), |(s, n), at| (s + u[at], n + 1.0));
+                u[at] = if count > 0.0 { sum / count } else { face.velocity_m_s };
+            }
+        }
+    }
+
     /// Takes the covered faces of component `c`, of which some may have come twice.
     pub fn cover(&mut self, c: usize, faces: Vec<Covered>) {
         let covered = &mut self.covered[c];
@@ -116,13 +136,14 @@ impl Solids {
         balance.balance(layout, ghosts, faces, velocity, &self.covered, &mut self.swell);
     }
 
-    /// Sets what moving solids do to the faces of liquid beside them; `wall_m_s(component, index,
-    /// owner)` is the velocity of the solid at a face.
+    /// Sets what moving solids do to the faces of liquid beside them; `wall(component, index,
+    /// owner)` is the velocity of the solid at a face, and the share of its way that it has really
+    /// come.
     pub fn set_beside(
         &mut self,
         layout: &Layout,
         walls: &WallFaces,
-        wall_m_s: impl Fn(usize, usize, u32) -> f32,
+        wall: impl Fn(usize, usize, u32) -> (f32, f32),
     ) {
         for (c, planes) in self.beside.iter_mut().enumerate() {
             for (k, beside) in planes.iter_mut().enumerate() {
@@ -133,11 +154,11 @@ impl Solids {
                 let owned = walls.in_plane(c, k).iter().filter_map(|face| Some((face, face.owner?)));
                 beside.extend(owned.map(|(face, owner)| {
                     let at = face.at as usize;
-                    let wall_m_s = wall_m_s(c, at, owner);
+                    let (wall_m_s, share) = wall(c, at, owner);
                     let swell = self.swell[at] + self.swell[at - layout.strides()[c]];
                     let per_inertia = face.per_inertia;
                     let pull = per_inertia * face.drag * wall_m_s;
-                    Beside { at: face.at, pull, swell: per_inertia * swell }
+                    Beside { at: face.at, pull, swell: per_inertia * share * swell }
                 }));
             }
         }

@@ -191,7 +191,7 @@ impl Flow {
         if let Some(obstacles) = &mut self.obstacles {
             obstacles.keep(faces, velocity, 0);
         }
-        viscous.set_rhs(on, velocity, rhs, number as f32);
+        viscous.set_rhs(on, ghosts, velocity, rhs, number as f32);
         let s = implicit_share(number) * number;
         let iterations = viscous.solve(on, ghosts, s as f32, rhs, velocity);
         if let Some(obstacles) = &mut self.obstacles {

@@ -55,6 +55,9 @@ impl Flow {
             }
             return Ok(self.report_of_rest(before));
         }
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.sweep(&self.layout, &mut self.faces, dt_s);
+        }
         let plan = self.plan(dt_s, before);
         let mut report =
             StepReport { substeps: plan.parts, scheme: plan.scheme, ..StepReport::at_rest() };

@@ -24,7 +24,7 @@ use crate::{
         field::{Layout, Run, Vector, cut, cut_mut},
         momentum::{Stage, Terms},
     },
-    vessel::cut::{CellBox, each},
+    vessel::cut::{CellBox, each, grown},
 };
 
 /// The wall takes at least this part of what it would take at a distance of 1: less says that two
@@ -113,7 +113,9 @@ impl WallFaces {
         cells: &CellBox,
     ) {
         let layout = section.layout;
-        let [x, y, z] = cells.clone();
+        // The drag of one more depends on what is known of these.
+        let about = grown(cells, 1, layout.cells);
+        let [x, y, z] = about.clone();
         if let Some(depth) = &mut depth {
             section.each_padded(cells, |_, at| {
                 depth.below_wall.iter_mut().for_each(|depth| depth[at] = f32::NAN);
@@ -121,7 +123,7 @@ impl WallFaces {
         }
         for c in 0..3 {
             let mut fresh = Vec::new();
-            each(cells, |[i, j, k]| {
+            each(&about, |[i, j, k]| {
                 let at = layout.index(i, j, k);
                 if open[c][at] > 0.0 {
                     fresh.extend(WallFace::new(layout, c, at, area));
