@@ -163,10 +163,10 @@ impl Obstacles {
     }
 
     /// The solid's velocity at a face, and the way to it from the solid's centre.
-    pub fn wall_at(&self, layout: &Layout, c: usize, at: usize, body: &Body) -> (f32, Vec3) {
+    pub fn wall_at(&self, layout: &Layout, c: usize, at: usize, body: &Body) -> (Vec3, Vec3) {
         let point = self.place.face_in_world_m(c, layout.cell_of(at));
         let from_centre_m = self.place.from_centre_m(&body.obstacle.motion, point);
-        (body.obstacle.motion.velocity_at(from_centre_m)[c], from_centre_m)
+        (body.obstacle.motion.velocity_at(from_centre_m), from_centre_m)
     }
 
     /// The obstacle of that number.
@@ -227,7 +227,7 @@ impl Obstacles {
     fn set_beside(&self, layout: &Layout, walls: &WallFaces, solids: &mut Solids) {
         solids.set_beside(layout, walls, |c, at, owner| {
             let body = self.body(owner);
-            body.map_or((0.0, 0.0), |body| (self.wall_at(layout, c, at, body).0, body.share))
+            body.map_or((0.0, 0.0), |body| (self.wall_at(layout, c, at, body).0[c], body.share))
         });
     }
 
@@ -263,7 +263,7 @@ impl Obstacles {
                     let point = self.place.face_in_world_m(c, face);
                     let nearest = self.place.nearest(&self.bodies, point).0;
                     if nearest.is_some_and(|nearest| nearest.id == body.id) {
-                        let (velocity_m_s, _) = self.wall_at(layout, c, at, body);
+                        let velocity_m_s = self.wall_at(layout, c, at, body).0[c];
                         let is_side = !self.place.is_periodic[c]
                             && (face[c] == 0 || face[c] == layout.cells[c]);
                         let is_closed = area[at] == 0.0 && !is_side;

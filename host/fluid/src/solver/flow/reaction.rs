@@ -10,7 +10,7 @@
 //! (see [`super::walls`]), which is more than their liquid's, takes of their momentum.
 //! Amounts are in units of velocity times the mass of a cell.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::solver::flow::{
     faces::Faces,
@@ -83,7 +83,7 @@ impl Obstacles {
         &mut self,
         layout: &Layout,
         faces: &Faces,
-        mut gift: impl FnMut(usize, &WallFace, f64) -> f64,
+        mut gift: impl FnMut(usize, &WallFace, Vec3) -> f64,
     ) {
         let Some(vessel) = &faces.vessel else { return };
         self.bodies.iter_mut().for_each(|body| body.account.rate[0] = Wrench::ZERO);
@@ -95,7 +95,7 @@ impl Obstacles {
                 };
                 let (wall_m_s, arm) =
                     self.wall_at(layout, c, face.at as usize, &self.bodies[index]);
-                let given = gift(c, face, f64::from(wall_m_s));
+                let given = gift(c, face, wall_m_s);
                 self.bodies[index].account.rate[0].add(-given, of_axis(c, arm.as_dvec3()));
             }
         }
@@ -106,7 +106,7 @@ impl Obstacles {
     pub fn measure(&mut self, faces: &Faces, stage: Stage<'_>, weights: Weights, how: Viscosity) {
         let Some(vessel) = &faces.vessel else { return };
         self.gather(&stage.layout, faces, |c, face, wall_m_s| {
-            let [all, open] = face.advection(&stage, &vessel.area, c).map(f64::from);
+            let [all, open] = face.advection(&stage, &vessel.area, c, wall_m_s).map(f64::from);
             let (carried, carried_on) =
                 (f64::from(weights.advection) * all, f64::from(weights.advection) * open);
             if how == Viscosity::Implicit {
@@ -117,7 +117,7 @@ impl Obstacles {
             let viscous = f64::from(weights.viscous);
             let exchanged =
                 viscous * f64::from(face.around(&stage.layout, u) - face.area() * u[face.at as usize]);
-            let pull = viscous * f64::from(face.drag) * (wall_m_s - here);
+            let pull = viscous * f64::from(face.drag) * (f64::from(wall_m_s[c]) - here);
             let share = f64::from(vessel.area[c][face.at as usize] * face.per_inertia);
             share * (carried + exchanged + pull) - (carried_on + exchanged)
         });
@@ -158,7 +158,7 @@ impl Obstacles {
             });
             let forced = solved.force.map_or(0.0, |(f, push_s)| push_s * f64::from(f[c][at]));
             let lacking = f64::from(vessel.area[c][at]) - f64::from(face.inertia);
-            lacking * (change - pressed - forced) + solved.number * drag * (wall_m_s - here)
+            lacking * (change - pressed - forced) + solved.number * drag * (f64::from(wall_m_s[c]) - here)
                 - solved.s * drag * change
         });
         self.beside = [before, after];

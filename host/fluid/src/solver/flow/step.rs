@@ -22,6 +22,10 @@ const MAX_STEP_S: f64 = 1e3;
 /// it: the error of the work integral and of f32 sums.
 const GUARD_SLACK: f64 = 1e-3;
 
+/// Parts of a step with moving obstacles, after which the rest of it is traced: as many as two
+/// plans would have at most.
+const MOST_STIRRED_PARTS: u32 = 32;
+
 /// One part of a step.
 #[derive(Clone, Copy)]
 pub(super) struct Part {
@@ -63,8 +67,12 @@ impl Flow {
             StepReport { substeps: plan.parts, scheme: plan.scheme, ..StepReport::at_rest() };
         self.pressure.share = plan.trend_share;
         let mut after = before;
-        for index in 0..plan.parts {
-            after = self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+        if self.is_stirred() {
+            after = self.advance_stirred(dt_s, before, &mut report);
+        } else {
+            for index in 0..plan.parts {
+                after = self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+            }
         }
         if let Some(obstacles) = &mut self.obstacles {
             obstacles.close(self.density_kg_m3 * f64::from(self.grid.cell_volume_m3()) / dt_s);
@@ -75,6 +83,28 @@ impl Flow {
         report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
         report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
         Ok(report)
+    }
+
+    /// How fast liquid gives way to obstacles is known only once it did: each part is planned anew.
+    fn advance_stirred(&mut self, dt_s: f64, before: Survey, report: &mut StepReport) -> Survey {
+        let whole = Part { dt_s, force_scale: self.force_scale };
+        let (mut after, mut done) = (before, 0.0);
+        report.substeps = 0;
+        while done < 1.0 {
+            let mut plan = self.plan((1.0 - done) * dt_s, after);
+            if report.substeps >= MOST_STIRRED_PARTS {
+                plan = Plan { scheme: Scheme::Traced, parts: 1, trend_share: 0.0 };
+            }
+            let end = if plan.parts == 1 { 1.0 } else { done + (1.0 - done) / f64::from(plan.parts) };
+            let ends = [done, end].map(|share| whole.scale_at(share));
+            let part = Part { dt_s: (end - done) * dt_s, force_scale: ends };
+            self.pressure.share = plan.trend_share;
+            after = self.advance_part(part, plan.scheme, report);
+            report.scheme = plan.scheme;
+            report.substeps += 1;
+            done = end;
+        }
+        after
     }
 
     fn advance_part(&mut self, part: Part, scheme: Scheme, report: &mut StepReport) -> Survey {

@@ -17,6 +17,8 @@
 //! to their friction is made up for, and no more than the slope of the depth at the wall
 //! is asked of a distance.
 
+use glam::Vec3;
+
 use crate::{
     solver::flow::{
         engine::Engine,
@@ -307,20 +309,23 @@ impl WallFace {
 }
 
 impl WallFace {
-    /// Sum of doubled fluxes of what the neighbours have more than the face: of all neighbours, and
-    /// of those that are open.
-    pub fn advection(&self, stage: &Stage<'_>, area: &Vector, c: usize) -> [f32; 2] {
+    /// Sum of doubled fluxes of what the neighbours have more than the face, and the part of it that
+    /// keeps momentum: an exchange with those that are open. Through closed ones it leaves with
+    /// what passes them faster than the wall, of velocity `wall_m_s`.
+    pub fn advection(&self, stage: &Stage<'_>, area: &Vector, c: usize, wall_m_s: Vec3) -> [f32; 2] {
         let (at, strides) = (self.at as usize, stage.layout.strides());
         let (own, behind) = (stage.velocity[c], strides[c]);
         let (mut all, mut open) = (0.0, 0.0);
         for d in 0..3 {
             let (u, a) = (stage.velocity[d], &area[d]);
             let flux = |upper: usize| a[upper] * u[upper] + a[upper - behind] * u[upper - behind];
+            let with_wall = |upper: usize| wall_m_s[d] * (a[upper] + a[upper - behind]);
             let (low, high) = (at - strides[d], at + strides[d]);
-            for (neighbour, out) in [(low, -flux(at)), (high, flux(high))] {
-                let brought = out * (own[neighbour] - own[at]);
-                all += brought;
-                open += if area[c][neighbour] > 0.0 { brought } else { 0.0 };
+            for (neighbour, face, sign) in [(low, at, -1.0), (high, high, 1.0)] {
+                let (more, out) = (own[neighbour] - own[at], sign * flux(face));
+                all += out * more;
+                let is_open = area[c][neighbour] > 0.0;
+                open += more * if is_open { out } else { 2.0 * (out - sign * with_wall(face)) };
             }
         }
         [all, open]

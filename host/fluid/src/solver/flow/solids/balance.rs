@@ -3,7 +3,9 @@
 //! A piston that closes a tube, an obstacle that comes in through a wall, a pocket that is cut
 //! off: there is no flow without divergence then. What goes in beyond what comes out is spread
 //! over the pocket by the open area of its cells, as if its liquid gave that much, and all stays as
-//! small as that. Pockets are found by rows: the segments of each that nothing closes, joined
+//! small as that. Nor is a cell asked for more than passes its open faces at the speed of the
+//! solids: more is asked only of a film that is squeezed between two walls, which would leave at
+//! any speed. Pockets are found by rows: the segments of each that nothing closes, joined
 //! with those beside them (union-find with halved paths; Tarjan, van Leeuwen 1984).
 
 use std::ops::Range;
@@ -17,6 +19,10 @@ use crate::solver::flow::{
 
 /// A pocket is taken to be in balance to this part of what passes its walls: rounding.
 const BALANCED: f64 = 1e-6;
+
+/// A cell's walls displace at most what passes its open faces at this many times the largest
+/// speed of a solid along an axis: that of one wall is never more, but for rounding.
+const MOST_SPEEDS: f32 = 1.8;
 
 /// Part of a row that is liquid throughout.
 struct Segment {
@@ -66,6 +72,24 @@ impl Balance {
                     self.count(layout, below, out);
                 }
                 self.count(layout, cell, -out);
+            }
+        }
+        let fastest_m_s = covered.iter().flatten().map(|face| face.velocity_m_s.abs());
+        let most_m_s = MOST_SPEEDS * fastest_m_s.fold(0.0, f32::max);
+        for row in 0..self.first.len() - 1 {
+            let at = layout.index(0, row % layout.cells[1], row / layout.cells[1]);
+            for segment in self.of_row(row) {
+                let Range { start, end } = self.segments[segment].cells;
+                for at in at + start as usize..at + end as usize {
+                    let most = most_m_s * vessel.open_area[at];
+                    let excess = swell[at] - swell[at].clamp(-most, most);
+                    if excess != 0.0 {
+                        swell[at] -= excess;
+                        let root = self.root(segment);
+                        self.segments[root].net[0] -= f64::from(excess);
+                        self.segments[root].net[1] += f64::from(excess.abs());
+                    }
+                }
             }
         }
         let is_lacking = |s: &Segment| !s.has_outlet && s.net[0].abs() > BALANCED * s.net[1];
