@@ -96,7 +96,7 @@ fn the_drag_on_a_ball_in_a_periodic_array_converges_to_that_of_hasimoto() {
 
 #[test]
 fn what_the_liquid_loses_a_resting_ball_gets() {
-    for (viscosity_m2_s, dt_s, at_most) in [(0.2, 0.02, 1e-4), (0.004, 0.01, 2e-3)] {
+    for (viscosity_m2_s, dt_s, at_most) in [(0.2, 0.02, 1e-4), (0.004, 0.01, 0.015)] {
         let (mut flow, ball) = with_ball(&periodic(16, viscosity_m2_s, Walls::NoSlip), 0.15);
         flow.set_velocity(&|_| DVec3::X).expect("finite");
         flow.project();

@@ -17,8 +17,10 @@ mod equal;
 mod exact;
 mod frame;
 mod measure;
+mod pipe;
 mod projection;
 mod row;
+mod sphere;
 pub mod target;
 
 use std::sync::Arc;
@@ -40,6 +42,8 @@ pub const NAMES: &[&str] = &[
     "energy-drift",
     "blob",
     "bowl",
+    "pipe",
+    "sphere",
     "equal-error",
     "equal-time",
     "frame-box",
@@ -143,6 +147,11 @@ pub fn run(options: &Options, progress: &mut dyn FnMut(&str)) -> Result<Vec<Row>
     energy::run(&mut session)?;
     blob::run(&mut session)?;
     bowl::run(&mut session)?;
+    if !options.is_quick || options.case.is_some() {
+        // They have no target.
+        pipe::run(&mut session)?;
+        sphere::run(&mut session)?;
+    }
     equal::run(&mut session)?;
     frame::run(&mut session)?;
     Ok(session.rows.into_iter().map(|row| target::judged(row, options.simd)).collect())
