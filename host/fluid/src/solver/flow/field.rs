@@ -80,6 +80,18 @@ impl Layout {
         (0..self.cells[1]).map(move |j| first + j * self.row)
     }
 
+    /// Number of values that a side across `axis` has for each component.
+    pub fn points_of_side(&self, axis: usize) -> usize {
+        let [nx, ny, nz] = self.cells.map(|n| n + 2);
+        [ny * nz, nx * nz, self.plane][axis]
+    }
+
+    /// Place among these of a face, counted from the one beyond the lower sides.
+    pub fn place_on_side(&self, axis: usize, [i, j, k]: [usize; 3]) -> usize {
+        let [nx, ny, _] = self.cells.map(|n| n + 2);
+        [j + ny * k, i + nx * k, i + self.row * j][axis]
+    }
+
     /// A field of zeros.
     pub fn zeros(&self) -> Field {
         Field::zeros(self.plane * (self.cells[2] + 2))

@@ -10,6 +10,7 @@ mod exchange;
 pub(crate) mod faces;
 pub(crate) mod field;
 mod ghosts;
+mod inlets;
 mod krylov;
 mod momentum;
 mod obstacles;
@@ -27,6 +28,7 @@ mod walls;
 
 use std::sync::Arc;
 
+pub use self::inlets::SideVelocity;
 use glam::{DVec3, Vec3};
 
 use self::{

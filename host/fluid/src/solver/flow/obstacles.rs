@@ -55,7 +55,7 @@ pub struct Obstacles {
     cut: Cut,
     depth: Option<Depth>,
     /// What the vessel alone leaves open of each face, and which it lets liquid pass.
-    area: Vector,
+    pub area: Vector,
     pub open: Vector,
     balance: Balance,
     /// Velocities at faces beside bodies, before and after an implicit part.
@@ -415,6 +415,15 @@ impl Flow {
     /// [`Refused`] if there is no such obstacle.
     pub fn torque_on_n_m(&self, id: ObstacleId) -> Result<DVec3, Refused> {
         self.mean_of(id).map(|mean| mean.torque)
+    }
+
+    /// What passes sides has changed, and with it what liquid beside obstacles can give.
+    pub(super) fn sides_have_changed(&mut self) {
+        self.touched();
+        if let Some(mut obstacles) = self.obstacles.take() {
+            obstacles.set_motion(self);
+            self.obstacles = Some(obstacles);
+        }
     }
 
     fn mean_of(&self, id: ObstacleId) -> Result<Wrench, Refused> {
