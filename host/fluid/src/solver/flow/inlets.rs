@@ -146,11 +146,7 @@ impl Flow {
             let mut face = [0; 3];
             (face[axis], face[a], face[b]) = (end * cells[axis], place % cells[a], place / cells[a]);
             let at = self.layout.index(face[0], face[1], face[2]);
-            let area = match &self.obstacles {
-                Some(obstacles) => f64::from(obstacles.area[axis][at]),
-                None => self.faces.mass(axis, at),
-            };
-            visit(self.layout.place_on_side(axis, face.map(|f| f + 1)), area);
+            visit(self.layout.place_on_side(axis, face.map(|f| f + 1)), self.bare().mass(axis, at));
         }
     }
 }

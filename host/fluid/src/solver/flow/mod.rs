@@ -309,9 +309,20 @@ impl Flow {
         Kernel::new(&self.layout, &self.faces, self.in_cells(centre_in_world_m), radius)
     }
 
-    /// Where the flow is computed, for what is carried with it.
+    /// The faces as the vessel alone leaves them.
+    fn bare(&self) -> &Faces {
+        self.obstacles.as_ref().map_or(&self.faces, |obstacles| &obstacles.bare)
+    }
+
+    /// Where the flow is computed.
     pub(crate) fn engine(&self) -> Engine<'_> {
         Engine { pool: &self.pool, simd: self.simd, faces: &self.faces }
+    }
+
+    /// The same for what is carried with the flow by [`Flow::face_fluxes`]: in these, obstacles are
+    /// liquid that moves as they do, so that what they cover is kept and carried along.
+    pub(crate) fn carrier(&self) -> Engine<'_> {
+        Engine { faces: self.bare(), ..self.engine() }
     }
 
     fn surveyed(&self) -> Survey {
@@ -374,8 +385,7 @@ impl Flow {
     ) -> Result<f64, Refused> {
         let mut largest = Ok(0.0f64);
         out.iter_mut().for_each(|out| out.fill(0.0));
-        let open = self.obstacles.as_ref().map_or(&self.faces.open, |all| &all.open);
-        self.visit_open(open, |c, at, point| {
+        self.visit_open(&self.bare().open, |c, at, point| {
             let value = field(point)[c];
             out[c][at] = value as f32;
             largest = largest

@@ -11,7 +11,7 @@ use crate::{
         flow::{
             Flow,
             faces::{Faces, Section},
-            field::{Layout, Vector},
+            field::Layout,
             ghosts::Fill,
             pressure::{Prediction, Projection},
             reaction::{Account, Wrench},
@@ -54,9 +54,8 @@ pub struct Obstacles {
     pub place: Place,
     cut: Cut,
     depth: Option<Depth>,
-    /// What the vessel alone leaves open of each face, and which it lets liquid pass.
-    pub area: Vector,
-    pub open: Vector,
+    /// The faces as the vessel alone leaves them.
+    pub bare: Faces,
     balance: Balance,
     /// Velocities at faces beside bodies, before and after an implicit part.
     pub beside: [[Vec<f32>; 3]; 2],
@@ -256,7 +255,7 @@ impl Obstacles {
                 part[c].end += usize::from(is_end);
                 each(&part, |face| {
                     let at = layout.index(face[0], face[1], face[2]);
-                    let part = self.area[c][at] - area[at];
+                    let part = self.bare.mass(c, at) as f32 - area[at];
                     if part <= 0.0 {
                         return;
                     }
@@ -268,7 +267,8 @@ impl Obstacles {
                             && (face[c] == 0 || face[c] == layout.cells[c]);
                         let is_closed = area[at] == 0.0 && !is_side;
                         let at = at as u32;
-                        covered.push(Covered { at, owner: body.id, part, velocity_m_s, is_closed });
+                        let owner = body.id;
+                        covered.push(Covered { at, owner, part, velocity_m_s, is_closed, is_side });
                     }
                 });
             }
@@ -386,10 +386,9 @@ impl Flow {
         let body = obstacles.bodies.remove(index);
         self.forget();
         if obstacles.bodies.is_empty() {
-            let Self { layout, grid, vessel, sides, walls, .. } = self;
-            self.faces = Faces::new(layout, grid, vessel, sides, *walls);
-            self.projection = Projection::new(layout, &self.faces, &self.ghosts, &self.pool);
-            self.fluxes = self.faces.vessel.is_some().then(|| layout.zero_vector());
+            self.faces = obstacles.bare;
+            self.projection = Projection::new(&self.layout, &self.faces, &self.ghosts, &self.pool);
+            self.fluxes = self.faces.vessel.is_some().then(|| self.layout.zero_vector());
             self.touched();
             return Ok(());
         }
@@ -441,19 +440,13 @@ impl Flow {
         let (layout, sides) = (&self.layout, &self.sides);
         let cut = Cut::new(&self.grid, &self.vessel);
         let mut depth = (self.walls == Walls::NoSlip).then(|| Depth::new(layout));
-        self.faces = Faces::of_section(Section { layout, sides, cut: &cut }, depth.as_mut());
-        self.projection = Projection::new(layout, &self.faces, &self.ghosts, &self.pool);
-        self.fluxes = Some(layout.zero_vector());
-        let copy = |from: &Vector| {
-            let mut to = layout.zero_vector();
-            to.iter_mut().zip(from).for_each(|(to, from)| to.copy_from_slice(from));
-            to
-        };
-        let mut area = layout.zero_vector();
-        if let Some(vessel) = &mut self.faces.vessel {
-            area = copy(&vessel.area);
+        let mut faces = Faces::of_section(Section { layout, sides, cut: &cut }, depth.as_mut());
+        if let Some(vessel) = &mut faces.vessel {
             vessel.solids = Some(Solids::new(layout));
         }
+        let bare = std::mem::replace(&mut self.faces, faces);
+        self.projection = Projection::new(layout, &self.faces, &self.ghosts, &self.pool);
+        self.fluxes = Some(layout.zero_vector());
         Obstacles {
             bodies: Vec::new(),
             place: Place {
@@ -462,8 +455,7 @@ impl Flow {
             },
             cut,
             depth,
-            area,
-            open: copy(&self.faces.open),
+            bare,
             balance: Balance::new(layout),
             beside: Default::default(),
             next_id: 0,

@@ -35,6 +35,8 @@ pub struct Covered {
     pub velocity_m_s: f32,
     /// True if nothing else passes.
     pub is_closed: bool,
+    /// True if it is on a side of the box, which solids pass as they like, and nothing else.
+    pub is_side: bool,
 }
 
 /// A face of liquid beside a moving solid; rates are by its inertia.
@@ -196,7 +198,7 @@ impl Solids {
     /// Adds what passes faces with the solids.
     pub fn add_fluxes(&self, layout: &Layout, ghosts: &Ghosts, fluxes: &mut Vector) {
         for (c, flux) in fluxes.iter_mut().enumerate() {
-            for face in &self.covered[c] {
+            for face in self.covered[c].iter().filter(|face| !face.is_side) {
                 let at = face.at as usize;
                 flux[at] += face.part * face.velocity_m_s;
                 if ghosts.is_periodic(c) && layout.cell_of(at)[c] == 0 {

@@ -308,6 +308,7 @@ mod tests {
             part: 1.0,
             velocity_m_s,
             is_closed: false,
+            is_side: false,
         };
         // Out of the first hall, which is shut, and to and fro in the second, which keeps it.
         let covered = [vec![push(4, 0.5), push(7, 0.5), push(8, 0.5)], Vec::new(), Vec::new()];
