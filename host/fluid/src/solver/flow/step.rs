@@ -22,6 +22,9 @@ const MAX_STEP_S: f64 = 1e3;
 /// it: the error of the work integral and of f32 sums.
 const GUARD_SLACK: f64 = 1e-3;
 
+/// A step that leaves less than this part of the energy ends the flow whose pressure is known.
+const LITTLE_LEFT: f64 = 0.1;
+
 /// Parts of a step with moving obstacles, after which the rest of it is traced: as many as two
 /// plans would have at most.
 const MOST_STIRRED_PARTS: u32 = 32;
@@ -78,7 +81,7 @@ impl Flow {
             obstacles.close(self.density_kg_m3 * f64::from(self.grid.cell_volume_m3()) / dt_s);
         }
         let after = self.guard(before, after, dt_s, &mut report);
-        self.settle(after);
+        self.settle(before, after);
         self.set_fluxes();
         report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
         report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
@@ -217,8 +220,13 @@ impl Flow {
         self.surveyed()
     }
 
-    /// Liquid that has come to rest keeps no pressure: a step from here computes zeros.
-    fn settle(&mut self, after: Survey) {
+    /// Liquid that has come to rest keeps no pressure: a step from here computes zeros. Nor does
+    /// that of a flow predict anything once hardly any of it is left: what it was wrong by would
+    /// be all that the next steps have to do.
+    fn settle(&mut self, before: Survey, after: Survey) {
+        if after.energy_m2_s2 < LITTLE_LEFT * before.energy_m2_s2 {
+            self.pressure_dt_s = 0.0;
+        }
         if after.speed_m_s == 0.0 {
             self.forget_pressure();
             self.pressure_dt_s = 0.0;
