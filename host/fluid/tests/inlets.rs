@@ -47,7 +47,8 @@ fn a_constant_velocity_is_that_of_the_side_itself() {
     let run = |is_set: bool| {
         let lid = Side::Moving(if is_set { Vec3::X } else { velocity });
         let sides = Sides::all(Side::NoSlip).with(1, [Side::NoSlip, lid]);
-        let setup = Setup { viscosity_m2_s: 0.01, sides, ..Setup::new(Grid::unit_cube(8), Vessel::Box) };
+        let setup =
+            Setup { viscosity_m2_s: 0.01, sides, ..Setup::new(Grid::unit_cube(8), Vessel::Box) };
         let mut flow = Flow::new(&setup).expect("a flow");
         if is_set {
             // What would lift the lid is left out.

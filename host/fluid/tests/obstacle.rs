@@ -4,9 +4,7 @@ use std::f64::consts::PI;
 
 use cauldron_fluid::{
     Grid, Vessel,
-    solver::{
-        Motion, Obstacle, ObstacleId, Setup, Shape, Side, Sides, Solver, Walls, flow::Flow,
-    },
+    solver::{Motion, Obstacle, ObstacleId, Setup, Shape, Side, Sides, Solver, Walls, flow::Flow},
 };
 use glam::{DVec3, Quat, Vec3};
 use proptest::prelude::*;
@@ -41,7 +39,8 @@ fn a_ball_in_liquid_at_rest_is_lifted_by_the_weight_of_what_it_displaces() {
         (Walls::FreeSlip, Vessel::Box),
         (Walls::NoSlip, Vessel::Pot { centre_in_world_m: Vec3::splat(0.5), radius_m: 0.48 }),
     ] {
-        let setup = Setup { walls, viscosity_m2_s: 1e-3, ..Setup::new(Grid::unit_cube(16), vessel) };
+        let setup =
+            Setup { walls, viscosity_m2_s: 1e-3, ..Setup::new(Grid::unit_cube(16), vessel) };
         let (mut flow, ball) = with_ball(&setup, 0.2);
         flow.set_force(&|_| DVec3::new(0.0, -9.81, 0.0)).expect("finite");
         for _ in 0..10 {
@@ -183,7 +182,11 @@ fn a_ball_that_turns_is_held_back_as_lamb_says_and_pushed_nowhere() {
 
 /// A rod along x in its own frame, across the box and beyond.
 fn rod(radius_m: f32) -> Shape {
-    let own = Grid { cells: [40, 16, 16], spacing_m: 0.05, origin_in_world_m: Vec3::new(-1.0, -0.4, -0.4) };
+    let own = Grid {
+        cells: [40, 16, 16],
+        spacing_m: 0.05,
+        origin_in_world_m: Vec3::new(-1.0, -0.4, -0.4),
+    };
     Shape::from_distance(&own, |p| p.y.hypot(p.z) - radius_m).expect("finite")
 }
 
@@ -199,7 +202,8 @@ fn a_turned_shape_displaces_what_it_would_unturned() {
         flow.force_on_n(rod).expect("there")
     };
     // Along x nothing is lifted along x, and along y nothing along y.
-    let (lying, standing) = (volume_m3(Quat::IDENTITY), volume_m3(Quat::from_rotation_z(1.570_796_3)));
+    let (lying, standing) =
+        (volume_m3(Quat::IDENTITY), volume_m3(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)));
     assert!((lying.y - standing.x).abs() < 1e-3 && lying.x.abs() + standing.y.abs() < 1e-3);
     assert!(lying.y < -0.08, "{lying} {standing}");
 }
@@ -245,7 +249,8 @@ fn a_piston_drives_a_tube_that_is_open_and_presses_one_that_is_shut() {
     for (side, mean_m_s) in [(Side::Outflow, 1.0), (Side::FreeSlip, 0.5)] {
         let sides = Sides::all(Side::FreeSlip).with(0, [side; 2]);
         let grid = Grid { cells: [16, 4, 4], ..Grid::unit_cube(16) };
-        let mut flow = Flow::new(&Setup { sides, ..Setup::new(grid, Vessel::Box) }).expect("a flow");
+        let mut flow =
+            Flow::new(&Setup { sides, ..Setup::new(grid, Vessel::Box) }).expect("a flow");
         let motion = Motion::moving(Vec3::new(0.5, 0.12, 0.12), Vec3::X);
         flow.add_obstacle(Obstacle { shape: plate.clone(), motion }).expect("a plate");
         flow.step(0.01).expect("finite");

@@ -62,10 +62,9 @@ pub fn run_pipe(n: usize, options: &Options) -> Result<Outcome, SetupError> {
         tally.count(spent.on(|| flow.step(STEP_S))?);
     }
     let length_m = f64::from(grid.extent_m().z);
-    let discharge_m3_s =
-        flow.momentum_n_s().z / f64::from(setup.density_kg_m3) / length_m;
-    let exact_m3_s = PI * f64::from(RADIUS_M).powi(4) * ACCELERATION_M_S2
-        / (8.0 * f64::from(VISCOSITY_M2_S));
+    let discharge_m3_s = flow.momentum_n_s().z / f64::from(setup.density_kg_m3) / length_m;
+    let exact_m3_s =
+        PI * f64::from(RADIUS_M).powi(4) * ACCELERATION_M_S2 / (8.0 * f64::from(VISCOSITY_M2_S));
     let mut params = tally.params();
     params.extend([
         ("steps", Param::Number(STEPS as f64)),

@@ -188,13 +188,13 @@ mod tests {
         assert_eq!(refused(|o| o.shape = Shape::Sphere { radius_m: f32::NAN }), "radius_m");
         assert_eq!(refused(|o| o.shape = Shape::Sphere { radius_m: 0.0 }), "radius_m");
         assert_eq!(refused(|o| o.motion.centre_in_world_m.y = f32::INFINITY), "centre_in_world_m");
-        assert_eq!(refused(|o| o.motion.rotation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)), "rotation");
+        assert_eq!(
+            refused(|o| o.motion.rotation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
+            "rotation"
+        );
         assert_eq!(refused(|o| o.motion.velocity_m_s.z = -1001.0), "velocity_m_s");
         // A tenth of a metre from the axis 20 000 rad/s are 2000 m/s.
-        assert_eq!(
-            refused(|o| o.motion.angular_velocity_rad_s.x = 2e4),
-            "angular_velocity_rad_s"
-        );
+        assert_eq!(refused(|o| o.motion.angular_velocity_rad_s.x = 2e4), "angular_velocity_rad_s");
         let own = Grid::unit_cube(2);
         assert_eq!(Shape::from_distance(&own, |_| f32::NAN).unwrap_err().what, "distance_m");
     }

@@ -127,12 +127,7 @@ impl Faces {
 
     /// Brings all but the live rows up to date where walls have changed in `cells`: within one cell of
     /// these, nothing else may have.
-    pub fn refresh(
-        &mut self,
-        section: Section<'_>,
-        depth: Option<&mut Depth>,
-        changed: &CellBox,
-    ) {
+    pub fn refresh(&mut self, section: Section<'_>, depth: Option<&mut Depth>, changed: &CellBox) {
         let Section { layout, sides, cut } = section;
         let Some(mut vessel) = self.vessel.take() else { return };
         section.each_padded(changed, |padded, at| {
@@ -147,9 +142,7 @@ impl Faces {
             self.liquid_cells += usize::from(is_liquid);
             self.liquid_cells -= usize::from(self.liquid[at] > 0.0);
             self.liquid[at] = f32::from(is_liquid);
-            self.set_open(layout, sides, cell, |axis, at| {
-                is_liquid && vessel.area[axis][at] > 0.0
-            });
+            self.set_open(layout, sides, cell, |axis, at| is_liquid && vessel.area[axis][at] > 0.0);
             [vessel.open_area[at], vessel.lift[at]] = match is_liquid {
                 true => cell_area(layout, sides, &vessel.area, cell),
                 false => [0.0; 2],

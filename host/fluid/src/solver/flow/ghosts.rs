@@ -73,7 +73,9 @@ impl Ghosts {
             Side::NoSlip | Side::Moving(_) | Side::Inflow(_) => {
                 let velocity = side.velocity_m_s(axis).unwrap_or_default().to_array();
                 let is_still = velocity == [0.0; 3];
-                Rule::Sticks((!is_still).then(|| velocity.map(|u| vec![u; layout.points_of_side(axis)])))
+                Rule::Sticks(
+                    (!is_still).then(|| velocity.map(|u| vec![u; layout.points_of_side(axis)])),
+                )
             }
         };
         let rules = std::array::from_fn(|axis| sides.0[axis].map(|side| rule(axis, side)));

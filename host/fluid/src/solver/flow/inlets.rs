@@ -2,11 +2,7 @@
 
 use glam::DVec3;
 
-use crate::solver::{
-    Refused, Side,
-    flow::Flow,
-    within,
-};
+use crate::solver::{Refused, Side, flow::Flow, within};
 
 /// The velocity of a side in m/s: `f(axis, end, point)` for a point in world metres on the lower
 /// (`end` 0) or the upper (1) side across `axis`.
@@ -59,7 +55,11 @@ impl Flow {
             for (end, side) in both.iter().enumerate() {
                 if matches!(side, Side::Moving(_) | Side::Inflow(_)) {
                     let is_wall = matches!(side, Side::Moving(_));
-                    sampled.push((axis, end, self.sample_side([axis, end], is_wall, velocity_m_s)?));
+                    sampled.push((
+                        axis,
+                        end,
+                        self.sample_side([axis, end], is_wall, velocity_m_s)?,
+                    ));
                 }
             }
         }
@@ -144,7 +144,8 @@ impl Flow {
         let [a, b] = across(axis);
         for place in 0..cells[a] * cells[b] {
             let mut face = [0; 3];
-            (face[axis], face[a], face[b]) = (end * cells[axis], place % cells[a], place / cells[a]);
+            (face[axis], face[a], face[b]) =
+                (end * cells[axis], place % cells[a], place / cells[a]);
             let at = self.layout.index(face[0], face[1], face[2]);
             visit(self.layout.place_on_side(axis, face.map(|f| f + 1)), self.bare().mass(axis, at));
         }

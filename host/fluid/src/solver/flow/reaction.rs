@@ -115,8 +115,8 @@ impl Obstacles {
             let u = stage.velocity[c];
             let here = f64::from(u[face.at as usize]);
             let viscous = f64::from(weights.viscous);
-            let exchanged =
-                viscous * f64::from(face.around(&stage.layout, u) - face.area() * u[face.at as usize]);
+            let exchanged = viscous
+                * f64::from(face.around(&stage.layout, u) - face.area() * u[face.at as usize]);
             let pull = viscous * f64::from(face.drag) * (f64::from(wall_m_s[c]) - here);
             let share = f64::from(vessel.area[c][face.at as usize] * face.per_inertia);
             share * (carried + exchanged + pull) - (carried_on + exchanged)
@@ -158,7 +158,8 @@ impl Obstacles {
             });
             let forced = solved.force.map_or(0.0, |(f, push_s)| push_s * f64::from(f[c][at]));
             let lacking = f64::from(vessel.area[c][at]) - f64::from(face.inertia);
-            lacking * (change - pressed - forced) + solved.number * drag * (f64::from(wall_m_s[c]) - here)
+            lacking * (change - pressed - forced)
+                + solved.number * drag * (f64::from(wall_m_s[c]) - here)
                 - solved.s * drag * change
         });
         self.beside = [before, after];

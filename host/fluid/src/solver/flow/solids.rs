@@ -153,7 +153,8 @@ impl Solids {
                 if !self.is_moving {
                     continue;
                 }
-                let owned = walls.in_plane(c, k).iter().filter_map(|face| Some((face, face.owner?)));
+                let owned =
+                    walls.in_plane(c, k).iter().filter_map(|face| Some((face, face.owner?)));
                 beside.extend(owned.map(|(face, owner)| {
                     let at = face.at as usize;
                     let (wall_m_s, share) = wall(c, at, owner);

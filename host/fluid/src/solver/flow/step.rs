@@ -98,7 +98,8 @@ impl Flow {
             if report.substeps >= MOST_STIRRED_PARTS {
                 plan = Plan { scheme: Scheme::Traced, parts: 1, trend_share: 0.0 };
             }
-            let end = if plan.parts == 1 { 1.0 } else { done + (1.0 - done) / f64::from(plan.parts) };
+            let end =
+                if plan.parts == 1 { 1.0 } else { done + (1.0 - done) / f64::from(plan.parts) };
             let ends = [done, end].map(|share| whole.scale_at(share));
             let part = Part { dt_s: (end - done) * dt_s, force_scale: ends };
             self.pressure.share = plan.trend_share;

@@ -67,8 +67,7 @@ pub struct Depth {
 impl Depth {
     /// Of faces that nobody has asked for.
     pub fn new(layout: &Layout) -> Self {
-        let mut depth =
-            Self { below_wall: layout.zero_vector(), at_least: layout.zero_vector() };
+        let mut depth = Self { below_wall: layout.zero_vector(), at_least: layout.zero_vector() };
         depth.below_wall.iter_mut().for_each(|depth| depth.fill(f32::NAN));
         depth
     }
@@ -312,7 +311,13 @@ impl WallFace {
     /// Sum of doubled fluxes of what the neighbours have more than the face, and the part of it that
     /// keeps momentum: an exchange with those that are open. Through closed ones it leaves with
     /// what passes them faster than the wall, of velocity `wall_m_s`.
-    pub fn advection(&self, stage: &Stage<'_>, area: &Vector, c: usize, wall_m_s: Vec3) -> [f32; 2] {
+    pub fn advection(
+        &self,
+        stage: &Stage<'_>,
+        area: &Vector,
+        c: usize,
+        wall_m_s: Vec3,
+    ) -> [f32; 2] {
         let (at, strides) = (self.at as usize, stage.layout.strides());
         let (own, behind) = (stage.velocity[c], strides[c]);
         let (mut all, mut open) = (0.0, 0.0);
