@@ -1,9 +1,10 @@
-//! The drag on a fixed obstacle: a ball in a periodic box, that is a cubic array of balls, in a slow
-//! stream (Re = 2 a U / nu of some 0.05), against the series of Hasimoto (J. Fluid Mech. 5, 1959):
+//! The drag on a fixed obstacle: a ball in a periodic box, that is a cubic array of balls, in a
+//! slow stream (Re = 2 a U / nu of some 0.05), against the series of Hasimoto (J. Fluid Mech. 5, 1959):
 //! ```text
 //! F = 6 pi mu a U / (1 - 1.7601 c^(1/3) + c - 1.5593 c^2),   c = 4 pi a^3 / (3 L^3)
 //! ```
-//! U being the mean over the whole box. At c = 0.0335 what the series leaves out is about 1e-3 of it.
+//! U being the mean over the whole box. At c = 0.0335 what the series leaves out is about 1e-3 of
+//! it.
 
 use std::f64::consts::PI;
 

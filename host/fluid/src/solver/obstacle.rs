@@ -39,7 +39,8 @@ impl Shape {
     /// use glam::Vec3;
     ///
     /// // A rod of 2 cm by 10 cm, lying along x.
-    /// let own = Grid { cells: [24, 8, 8], spacing_m: 0.005, origin_in_world_m: Vec3::new(-0.06, -0.02, -0.02) };
+    /// let origin_in_world_m = Vec3::new(-0.06, -0.02, -0.02);
+    /// let own = Grid { cells: [24, 8, 8], spacing_m: 0.005, origin_in_world_m };
     /// let rod = Shape::from_distance(&own, |p| {
     ///     let end_m = p.x.abs() - 0.05;
     ///     end_m.max(p.y.hypot(p.z) - 0.01)
@@ -141,8 +142,8 @@ impl Obstacle {
     /// Checks that a flow can take it.
     ///
     /// # Errors
-    /// [`Refused`] if a value is not finite, the radius is not above 0, the rotation has no length, it
-    /// is larger or farther away than 10^9 m, or a point of it moves faster than 1000 m/s.
+    /// [`Refused`] if a value is not finite, the radius is not above 0, the rotation has no length,
+    /// it is larger or farther away than 10^9 m, or a point of it moves faster than 1000 m/s.
     pub fn check(&self) -> Result<(), Refused> {
         if let Shape::Sphere { radius_m } = self.shape
             && radius_m <= 0.0

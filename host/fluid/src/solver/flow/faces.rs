@@ -125,8 +125,8 @@ impl Faces {
         }
     }
 
-    /// Brings all but the live rows up to date where walls have changed in `cells`: within one cell of
-    /// these, nothing else may have.
+    /// Brings all but the live rows up to date where walls have changed: nothing else may have
+    /// within one cell of there.
     pub fn refresh(&mut self, section: Section<'_>, depth: Option<&mut Depth>, changed: &CellBox) {
         let Section { layout, sides, cut } = section;
         let Some(mut vessel) = self.vessel.take() else { return };

@@ -39,7 +39,8 @@ impl Flow {
     ///     .with(0, [Side::Inflow(Vec3::X), Side::Outflow])
     ///     .with(1, [Side::NoSlip; 2]);
     /// let grid = Grid { cells: [16, 16, 1], ..Grid::unit_cube(16) };
-    /// let mut flow = Flow::new(&Setup { viscosity_m2_s: 0.1, sides, ..Setup::new(grid, Vessel::Box) })?;
+    /// let setup = Setup { viscosity_m2_s: 0.1, sides, ..Setup::new(grid, Vessel::Box) };
+    /// let mut flow = Flow::new(&setup)?;
     /// let developed = |p: DVec3| 4.0 * p.y * (1.0 - p.y) * DVec3::X;
     /// flow.set_side_velocities(&|_, _, point| developed(point))?;
     /// flow.set_velocity(&developed)?;

@@ -188,8 +188,8 @@ impl Obstacles {
 }
 
 impl Flow {
-    /// Puts a solid into the liquid: its wall is like those of [`crate::solver::Setup::walls`], and cuts
-    /// cells as a vessel's does. What it covers is liquid no more.
+    /// Puts a solid into the liquid. Its wall is like [`Setup::walls`](crate::solver::Setup) say,
+    /// and cuts cells as a vessel's does. What it covers is liquid no more.
     ///
     /// In a box without a vessel, the pressure is solved for iteratively from the first obstacle
     /// on, until the last is removed.
@@ -202,7 +202,10 @@ impl Flow {
     /// ```
     /// use std::f64::consts::PI;
     ///
-    /// use cauldron_fluid::{Grid, Vessel, solver::{Obstacle, Setup, Side, Sides, Solver, Walls, flow::Flow}};
+    /// use cauldron_fluid::{
+    ///     Grid, Vessel,
+    ///     solver::{Obstacle, Setup, Side, Sides, Solver, Walls, flow::Flow},
+    /// };
     /// use glam::{DVec3, Vec3};
     ///
     /// let stream = [Side::Inflow(Vec3::X), Side::Outflow];
@@ -300,9 +303,12 @@ impl Flow {
         Ok(())
     }
 
-    /// The force of the liquid on an obstacle: the mean over the last step, with its lift in
-    /// what [`crate::solver::Solver::set_force`] pulls. It is what pressure and friction took from the liquid's
-    /// momentum; in steps that were traced ([`crate::solver::Scheme::Traced`]), without what tracing lost beside the obstacle.
+    /// The force of the liquid on an obstacle: the mean over the last step, with its lift in what
+    /// [`Solver::set_force`](crate::solver::Solver::set_force) pulls. It is what pressure and
+    /// friction took from the momentum of the liquid; in steps that were traced
+    /// ([`Scheme::Traced`](crate::solver::Scheme)), without what tracing lost beside the
+    /// obstacle. Forces on an obstacle that moves vary by some per cent as it passes from cell to
+    /// cell: take means over a cell's length.
     ///
     /// # Errors
     /// [`Refused`] if there is no such obstacle.

@@ -1,7 +1,7 @@
 //! The force on obstacles: what walls and pressure took from the liquid's momentum.
 //!
 //! ```text
-//! pressure:  sum over covered faces of (1 - a) (p_(i-1) - p_i)                      p = 0 in the solid
+//! pressure:  sum over covered faces of (1 - a) (p_(i-1) - p_i),      p = 0 in the solid
 //! walls:     -sum over faces beside it of [ a du - what open neighbours gave ]
 //! ```
 //! Both are exact for the scheme: the first is the sum by parts of the pressure's gradient on
@@ -77,8 +77,8 @@ pub struct Solved<'a> {
 }
 
 impl Obstacles {
-    /// Calls `gift(component, face, wall's velocity)` for the faces beside each body: what the wall gives
-    /// the liquid there; returns nothing but adds it up in the rates.
+    /// Adds up, as new rates, what walls give the liquid: `gift(component, face, wall's velocity)`
+    /// for all faces beside a body.
     fn gather(
         &mut self,
         layout: &Layout,

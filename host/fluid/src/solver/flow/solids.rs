@@ -1,15 +1,15 @@
 //! What obstacles do to the faces that they cover, and to those beside them.
 //!
-//! A solid that covers the part 1 - a of a face carries the flux (1 - a) U through it, U being its own velocity
-//! there. In a liquid cell these add up to what its walls displace, `swell`:
+//! A solid that covers the part 1 - a of a face carries the flux (1 - a) U through it, U being
+//! its own velocity there. In a liquid cell these add up to what its walls displace, `swell`:
 //! ```text
 //! div:  sum of a u out of a cell = -swell,        swell = sum of (1 - a) U out of it
 //! m du/dt = ... + u (swell of both cells) / (2 h) + nu/h^2 W U
 //! ```
 //! The first of the two is that nothing passes a wall that moves: the liquid beside it takes its
 //! momentum along (a wall that has not come as far as its velocity says does so in part: liquid
-//! that it never reaches would gain without end); the second is friction towards the solid's velocity (W as in
-//! [`super::walls`]). A face that is covered wholly has the velocity of the solid.
+//! that it never reaches would gain without end); the second is friction towards the solid's
+//! velocity (W as in [`super::walls`]). A face that is covered wholly has the velocity of the solid.
 
 pub mod balance;
 
@@ -70,8 +70,8 @@ impl Solids {
         }
     }
 
-    /// Gives faces that are covered wholly no more the velocity of the liquid beside them, which slides
-    /// along walls: that of the solid, which they have, would drag it.
+    /// Gives faces that were covered wholly, and are no more, the velocity of the liquid beside
+    /// them, which slides along walls: that of the solid, which they have, would drag it.
     pub fn uncover(&self, layout: &Layout, open: &Vector, velocity: &mut Vector) {
         for ((covered, open), u) in self.covered.iter().zip(open).zip(velocity) {
             let fresh = || {

@@ -183,8 +183,8 @@ impl Flow {
     }
 
     /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
-    /// What it does exceed it by is added up until it is worth an action. What moving sides, obstacles and
-    /// openings give is not known here: there only the speed is bounded.
+    /// What it does exceed it by is added up until it is worth an action. What moving sides,
+    /// obstacles and openings give is not known here: there only the speed is bounded.
     fn guard(
         &mut self,
         before: Survey,

@@ -308,8 +308,8 @@ impl WallFace {
 }
 
 impl WallFace {
-    /// Sum of doubled fluxes of what the neighbours have more than the face, and the part of it that
-    /// keeps momentum: an exchange with those that are open. Through closed ones it leaves with
+    /// Sum of doubled fluxes of what the neighbours have more than the face, and the part of it
+    /// that keeps momentum: an exchange with those that are open. Through closed ones it leaves with
     /// what passes them faster than the wall, of velocity `wall_m_s`.
     pub fn advection(
         &self,
