@@ -178,7 +178,7 @@ impl Substances {
         }
         let mut room = self.fluxes.take();
         let velocity = flow.fluxes(&mut room);
-        let (on, spacing_m) = (flow.engine(), f64::from(self.grid.spacing_m));
+        let (on, spacing_m) = (flow.carrier(), f64::from(self.grid.spacing_m));
         let loss = largest_loss_m_s(on, layout, velocity) * dt_s / spacing_m;
         (report.carrying, report.substeps) = carrying(loss);
         for place in 0..self.all.len() {
@@ -189,11 +189,11 @@ impl Substances {
             let before = fit::content(on, layout, &self.all[place].cells);
             // In alternating order, as the sweeps.
             if self.reverse {
-                self.diffuse(on, place, dt_s, &mut report);
+                self.diffuse(flow.engine(), place, dt_s, &mut report);
                 self.carry(on, place, velocity, dt_s, &mut report);
             } else {
                 self.carry(on, place, velocity, dt_s, &mut report);
-                self.diffuse(on, place, dt_s, &mut report);
+                self.diffuse(flow.engine(), place, dt_s, &mut report);
             }
             let substance = &mut self.all[place];
             substance.held_cells = fit::content(on, layout, &substance.cells);

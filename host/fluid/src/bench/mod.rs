@@ -17,9 +17,11 @@ mod equal;
 mod exact;
 mod frame;
 mod measure;
+mod pipe;
 mod projection;
 mod row;
 mod skip;
+mod sphere;
 pub mod target;
 
 use std::sync::Arc;
@@ -41,6 +43,8 @@ pub const NAMES: &[&str] = &[
     "energy-drift",
     "blob",
     "bowl",
+    "pipe",
+    "sphere",
     "equal-error",
     "equal-time",
     "frame-box",
@@ -149,6 +153,11 @@ pub fn run(options: &Options, progress: &mut dyn FnMut(&str)) -> Result<Vec<Row>
     energy::run(&mut session)?;
     blob::run(&mut session)?;
     bowl::run(&mut session)?;
+    if !options.is_quick || options.case.is_some() {
+        // They have no target.
+        pipe::run(&mut session)?;
+        sphere::run(&mut session)?;
+    }
     equal::run(&mut session)?;
     frame::run(&mut session)?;
     skip::run(&mut session)?;

@@ -147,3 +147,27 @@ fn the_cavity_misses_its_table_by_no_more_than_the_table_misses_the_truth() {
     let rms = rows.iter().find(|row| row.quantity == "rms").expect("it is measured").value;
     assert!((3.0e-3..=3.5e-3).contains(&rms), "{rms}");
 }
+
+/// What has no target is known from both sides, so that it cannot change unseen.
+#[test]
+fn ours_is_as_far_off_in_cut_cells_as_it_was() {
+    let first = |outcome: Result<Outcome, crate::solver::SetupError>| {
+        value(&outcome.expect("no input is refused"))
+    };
+    for (n, brackets) in [(16, 0.0..0.04), (32, 0.0..0.01)] {
+        let error = first(pipe::run_pipe(n, &options()));
+        assert!(brackets.contains(&error), "pipe {n}: {error}");
+    }
+    for (n, brackets) in [(16, 0.03..0.07), (32, 0.005..0.025)] {
+        let error = first(sphere::run_sphere(n, &options()));
+        assert!(brackets.contains(&error), "sphere {n}: {error}");
+    }
+}
+
+#[test]
+fn cases_without_a_target_are_not_quick_unless_asked_for() {
+    let rows = small("sphere", 8);
+    assert_eq!((rows.len(), rows[0].quantity, rows[0].target), (1, "drag_error", None));
+    let named = |case| NAMES.contains(&case) && TARGETS.iter().all(|target| target.case != case);
+    assert!(["pipe", "sphere"].into_iter().all(named));
+}

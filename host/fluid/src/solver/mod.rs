@@ -29,9 +29,11 @@
 
 pub mod flow;
 pub mod founding;
+pub mod obstacle;
 pub mod sides;
 pub mod traced;
 
+pub use obstacle::{Motion, Obstacle, ObstacleId, Shape};
 pub use sides::{Side, Sides};
 
 use std::{fmt, sync::Arc};

@@ -21,6 +21,10 @@ pub const FRACTION_SLACK: f64 = 1e-5;
 /// No velocity may be above this: what the crate says it never keeps, and its rounding.
 pub const SPEED_CAP_M_S: f64 = 1e4 * (1.0 + 1e-6);
 
+/// Mean speed of all liquid that an obstacle may bring about in a step, over its own: more than 1, as
+/// it squeezes out what is between it and a wall.
+const WALL_SPEEDS: f64 = 4.0;
+
 /// A grid of at most this many cells is inspected value by value at every step ...
 const SMALL_CELLS: usize = 1 << 15;
 
@@ -83,12 +87,13 @@ impl Books {
     /// Enters the energy around a step in which the force had at most this scale. What forces
     /// gave is at most what Cauchy and Schwarz allow for:
     /// sqrt(E) grows by dt sqrt(sum rho h^3 f^2 / 2). Gains of several steps add up, so that
-    /// none is too small to be seen. Sides that drive give what they like.
+    /// none is too small to be seen. An obstacle of that speed sets the liquid in motion at once,
+    /// in sum no faster than [`WALL_SPEEDS`] times itself. Sides that drive give what they like.
     pub fn energy(
         &mut self,
         world: &World<'_>,
         [before, after]: [f64; 2],
-        [push_s, dt_s]: [f64; 2],
+        [push_s, dt_s, wall_m_s]: [f64; 3],
         at: usize,
     ) {
         if !after.is_finite() {
@@ -97,8 +102,10 @@ impl Books {
         if world.case.sides.drive() {
             return;
         }
+        let all_kg = world.case.grid.len() as f64 * world.flow.cell_mass_kg();
+        let wall_j = 0.5 * all_kg * (WALL_SPEEDS * wall_m_s).powi(2);
         let given = push_s * self.force_j_s2.sqrt() + dt_s * self.gravity_j_s2.sqrt();
-        let allowed = (before.sqrt() + given).powi(2);
+        let allowed = (before.sqrt() + given + wall_j.sqrt()).powi(2);
         self.excess_j = (self.excess_j + after - allowed).max(0.0);
         let share = if self.excess_j == 0.0 { 0.0 } else { self.excess_j / allowed };
         self.check("energy_excess", share, ENERGY_SLACK, at);
@@ -160,16 +167,16 @@ mod tests {
         let mut world =
             World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
         let mut books = Books::open(&world);
-        books.energy(&world, [1.0, 1.001], [0.0; 2], 0);
-        books.energy(&world, [1.001, 1.001], [0.0; 2], 1);
+        books.energy(&world, [1.0, 1.001], [0.0; 3], 0);
+        books.energy(&world, [1.001, 1.001], [0.0; 3], 1);
         assert!(books.failures.is_empty());
-        books.energy(&world, [1.001, 1.0025], [0.0; 2], 2);
+        books.energy(&world, [1.001, 1.0025], [0.0; 3], 2);
         assert!(books.failures["energy_excess"].contains("in step 2"), "{:?}", books.failures);
         // What is poured beside the books was made from nothing.
         world.substances.set_fraction(0, |_| 0.5).expect("in range");
         books.mass(&world, 3);
         assert!(books.failures.contains_key("mass_error"));
-        books.energy(&world, [1.0, f64::NAN], [0.0; 2], 4);
+        books.energy(&world, [1.0, f64::NAN], [0.0; 3], 4);
         assert!(books.failures.contains_key("not_finite"));
         books.check("speed_m_s", f64::NAN, SPEED_CAP_M_S, 5);
         assert!(books.failures.contains_key("speed_m_s") && books.worst["speed_m_s"].is_nan());
@@ -183,9 +190,9 @@ mod tests {
             World::new(&case, &Arc::new(Pool::inline()), SimdClass::detect()).expect("a world");
         let mut books = Books::open(&world);
         let from_rest_j = books.force_j_s2 * 0.01;
-        books.energy(&world, [0.0, from_rest_j], [0.1, 0.0], 0);
+        books.energy(&world, [0.0, from_rest_j], [0.1, 0.0, 0.0], 0);
         assert!(books.failures.is_empty() && from_rest_j > 0.0);
-        books.energy(&world, [0.0, 1.01 * from_rest_j], [0.1, 0.0], 1);
+        books.energy(&world, [0.0, 1.01 * from_rest_j], [0.1, 0.0, 0.0], 1);
         assert!(books.failures.contains_key("energy_excess"));
     }
 }

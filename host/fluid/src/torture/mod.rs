@@ -7,8 +7,8 @@
 //! ```
 //! Nothing but the public API is used. What is asked of each seed:
 //! - every velocity is finite, and none above the crate's cap;
-//! - kinetic energy is never above what it was plus what pushes, forces and gravity gave (unless a
-//!   side drives);
+//! - kinetic energy is never above what it was plus what pushes, forces, gravity and moving
+//!   obstacles gave (unless a side drives);
 //! - the mass of each substance is what was poured and not drained, to 1e-5 of what was poured (no more than that where liquid can
 //!   leave), and every fraction is from 0 to 1;
 //! - where viscosity acts and nothing drives, the liquid comes to rest (or decays as it has to,
@@ -112,11 +112,11 @@ fn mistreat(world: &mut World<'_>, books: &mut Books, step: usize) -> Result<(),
     world.jerk(step)?;
     let push_s = world.force(step)? * world.case.dt_s;
     world.pour_or_drain(step)?;
-    world.jump_obstacle(step);
+    let wall_m_s = world.jump_obstacle(step)?;
     let before_j = world.flow.kinetic_energy_j();
     let (report, carried) = world.step(world.case.dt_s)?;
     let energy_j = [before_j, world.flow.kinetic_energy_j()];
-    books.energy(world, energy_j, [push_s, world.case.dt_s], step);
+    books.energy(world, energy_j, [push_s, world.case.dt_s, wall_m_s], step);
     books.mass(world, step);
     books.inspect(world, step);
     books.count("guard_actions", f64::from(report.guard_actions));
@@ -134,7 +134,7 @@ fn come_to_rest(world: &mut World<'_>, books: &mut Books, decay: Decay) -> Resul
     for step in world.case.steps..world.case.steps + steps {
         world.step(decay.dt_s)?;
         let after_j = world.flow.kinetic_energy_j();
-        books.energy(world, [before_j, after_j], [0.0; 2], step);
+        books.energy(world, [before_j, after_j], [0.0; 3], step);
         books.mass(world, step);
         before_j = after_j;
     }

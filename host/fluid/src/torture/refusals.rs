@@ -6,7 +6,7 @@ use super::world::World;
 use crate::{
     grid::Grid,
     solver::{
-        Setup, SetupError, Side, Sides, Solver,
+        Obstacle, Setup, SetupError, Side, Sides, Solver,
         flow::{Flow, Medium},
     },
 };
@@ -85,6 +85,9 @@ const INPUTS: &[Input] = &[
             make(Setup { sides: Sides::all(Side::Inflow(at(bad))), ..world.setup.clone() })
         },
     },
+    Input { name: "radius_m", offer: |world, bad| put(world, middle(world), bad as f32, 0.0) },
+    Input { name: "centre_in_world_m", offer: |world, bad| put(world, at(bad), 1.0, 0.0) },
+    Input { name: "velocity_m_s", offer: |world, bad| put(world, middle(world), 1.0, bad) },
     Input { name: "centre_in_world_m", offer: |world, bad| pour(world, at(bad), 1.0, 1.0) },
     Input { name: "radius_m", offer: |world, bad| pour(world, Vec3::ZERO, bad as f32, 1.0) },
     Input { name: "fraction_per_s", offer: |world, bad| pour(world, Vec3::ZERO, 1.0, bad as f32) },
@@ -107,6 +110,12 @@ fn fill(world: &mut World<'_>, density_kg_m3: f64, viscosity_m2_s: f64) -> Resul
 
 fn push(world: &mut World<'_>, centre: Vec3, radius_m: f32, impulse: f64) -> Result<(), String> {
     said(world.flow.push(centre, radius_m, DVec3::new(0.0, impulse, 0.0)).map(drop))
+}
+
+fn put(world: &mut World<'_>, centre: Vec3, radius_m: f32, speed_m_s: f64) -> Result<(), String> {
+    let mut ball = Obstacle::sphere(centre, radius_m);
+    ball.motion.velocity_m_s.y = speed_m_s as f32;
+    said(world.flow.add_obstacle(ball).map(drop))
 }
 
 fn pour(world: &mut World<'_>, centre: Vec3, radius_m: f32, per_s: f32) -> Result<(), String> {

@@ -12,7 +12,9 @@ use super::draw::{Case, direction, log_uniform};
 use crate::{
     pool::Pool,
     simd::SimdClass,
-    solver::{Refused, Setup, SetupError, Solver, StepReport, flow::Flow},
+    solver::{
+        Motion, Obstacle, ObstacleId, Refused, Setup, SetupError, Solver, StepReport, flow::Flow,
+    },
     substance::{Substances, TransportReport},
 };
 
@@ -26,7 +28,7 @@ const FORCE_BLOCK: usize = 8;
 type Drawn = (&'static str, fn(&Case) -> bool);
 
 /// What is drawn and not taken yet.
-pub const NOT_TAKEN: &[Drawn] = &[("obstacles", |case| case.obstacle.is_some())];
+pub const NOT_TAKEN: &[Drawn] = &[];
 
 /// A case that runs.
 pub struct World<'a> {
@@ -38,6 +40,9 @@ pub struct World<'a> {
     pub flow: Flow,
     /// What is in it.
     pub substances: Substances,
+    /// The ball that jumps, where it is, and how often it has.
+    ball: Option<(ObstacleId, Vec3)>,
+    jumps: usize,
     draws: Rand64,
 }
 
@@ -63,12 +68,19 @@ impl<'a> World<'a> {
             flow: Flow::new(&setup)?,
             substances: Substances::new(&setup, &properties),
             setup,
+            ball: None,
+            jumps: 0,
             // Not the stream that the case itself was drawn from.
             draws: Rand64::new(u128::from(case.seed) ^ (1 << 100)),
         };
         let (per_m, speed_m_s) = (world.wave_per_m(), case.speed_m_s() / 3.0);
         world.flow.set_velocity(&|p| speed_m_s * swirl(per_m * p))?;
         world.flow.project();
+        if let Some(ball) = case.obstacle {
+            let at = world.place();
+            let id = world.flow.add_obstacle(Obstacle::sphere(at, ball.radius_m))?;
+            world.ball = Some((id, at));
+        }
         world.flow.set_force(&|p| case.acceleration_m_s2 * swirl(2.0 * per_m * p))?;
         Ok(world)
     }
@@ -130,11 +142,18 @@ impl<'a> World<'a> {
         Ok(())
     }
 
-    /// Where an obstacle is to jump, once the solver takes any: draws its next place.
-    pub fn jump_obstacle(&mut self, step: usize) {
-        if self.case.obstacle.is_some_and(|o| step.is_multiple_of(o.jumps_every)) {
-            let _centre_in_world_m = self.place();
+    /// The ball jumps to another place, and every other time has a speed there, too. Returns the
+    /// speed that it has.
+    pub fn jump_obstacle(&mut self, step: usize) -> Result<f64, Refused> {
+        let (Some((id, _)), Some(ball)) = (self.ball, self.case.obstacle) else { return Ok(0.0) };
+        if step.is_multiple_of(ball.jumps_every) {
+            let (at, way) = (self.place(), direction(&mut self.draws));
+            self.jumps += 1;
+            let speed_m_s = if self.jumps.is_multiple_of(2) { self.case.jerk_m_s } else { 0.0 };
+            self.ball = Some((id, at));
+            self.flow.move_obstacle(id, Motion::moving(at, way * speed_m_s as f32))?;
         }
+        Ok(if self.jumps.is_multiple_of(2) && self.jumps > 0 { self.case.jerk_m_s } else { 0.0 })
     }
 
     /// Mass of a cell full of the densest that there may be.
@@ -162,8 +181,11 @@ impl<'a> World<'a> {
         Ok((report, self.substances.step(&self.flow, dt_s)?))
     }
 
-    /// Stops force and gravity: what is left comes to rest.
+    /// Stops force and gravity, and takes out the ball: what is left comes to rest.
     pub fn leave_alone(&mut self) -> Result<(), Refused> {
+        if let Some((id, _)) = self.ball.take() {
+            self.flow.remove_obstacle(id)?;
+        }
         self.flow.set_gravity_m_s2(Vec3::ZERO)?;
         self.flow.scale_force(0.0, 0.0)
     }

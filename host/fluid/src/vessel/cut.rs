@@ -22,6 +22,9 @@ use crate::grid::Grid;
 /// which is what f32 keeps of it, and no cell is left that a flow could fill in no time.
 pub const SMALLEST_FRACTION: f32 = 1e-3;
 
+/// Cells around those that an obstacle cuts whose depth is asked for.
+const KNOWN: usize = 3;
+
 /// Depths beyond it, in cells, are told apart by nothing, and infinity is none to compute with.
 const FAR: f32 = 1e6;
 
@@ -77,10 +80,11 @@ impl Cut {
         cut
     }
 
-    /// Puts obstacles into the vessel: at the corners of `cells` there is as much room as
-    /// `distance_m` (of a point in world metres to the nearest obstacle, positive outside of it)
-    /// and the vessel leave, whatever stood there before; where it is not a number, the
-    /// vessel's. An obstacle that moves needs the boxes of where it was and where it is (see
+    /// Puts obstacles into the vessel: at the corners of `cells`, and of some more around them so
+    /// that depths and their curvature are known at all faces beside the cut ones, there is as
+    /// much room as `distance_m` (of a point in world metres to the nearest obstacle, positive
+    /// outside of it) and the vessel leave, whatever stood there before; where it is not a
+    /// number, the vessel's. An obstacle that moves needs the boxes of where it was and where it is (see
     /// [`Cut::cells_about`]). The cost is that of these cells; nothing is allocated. Cells beyond
     /// the grid are left out.
     pub fn obstruct(&mut self, cells: &CellBox, distance_m: impl Fn(Vec3) -> f32) {
@@ -90,13 +94,16 @@ impl Cut {
             return;
         }
         let nodes = self.grid.cells.map(|cells| cells + 1);
-        let corners = cells.clone().map(|range| range.start..range.end + 1);
-        each(&corners, |at| {
+        let known = grown(&cells, KNOWN, self.grid.cells);
+        let corners = known.map(|range| range.start..range.end + 1);
+        // The curvature at the last of them needs one more.
+        let around = grown(&corners, 1, nodes);
+        each(&around, |at| {
             let corner = origin + spacing_m * Vec3::from_array(at.map(|c| c as f32));
             self.room[flat(nodes, at)] = distance_m(corner) / spacing_m;
         });
         each(&corners, |at| {
-            let room = for_lines(&self.room, nodes, &corners, at);
+            let room = for_lines(&self.room, nodes, &around, at);
             let index = flat(nodes, at);
             self.depth[index] = self.vessel_depth[index].min(room).max(-FAR);
         });
@@ -164,6 +171,12 @@ impl Cut {
         let nodes = self.grid.cells.map(|cells| cells + 1);
         let all = nodes.map(|nodes| 0..nodes);
         mean(&self.corners_about(axis, cell).map(|at| bend(&self.depth, nodes, &all, at)))
+    }
+
+    /// True if a cell holds liquid.
+    #[must_use]
+    pub fn holds_liquid(&self, cell: [usize; 3]) -> bool {
+        self.volume[flat(self.grid.cells, cell)] > 0.0
     }
 
     /// Number of cells that hold liquid.
@@ -385,7 +398,7 @@ fn plus(mut at: [usize; 3], axis: usize) -> [usize; 3] {
 }
 
 /// `cells` and `by` more to each side, inside of a grid of `all`.
-fn grown(cells: &CellBox, by: usize, all: [usize; 3]) -> CellBox {
+pub(crate) fn grown(cells: &CellBox, by: usize, all: [usize; 3]) -> CellBox {
     std::array::from_fn(|axis| {
         let Range { start, end } = cells[axis];
         start.saturating_sub(by)..end.saturating_add(by).min(all[axis])
@@ -393,7 +406,7 @@ fn grown(cells: &CellBox, by: usize, all: [usize; 3]) -> CellBox {
 }
 
 /// Does something at all places in a box, x fastest.
-fn each([x, y, z]: &CellBox, mut act: impl FnMut([usize; 3])) {
+pub(crate) fn each([x, y, z]: &CellBox, mut act: impl FnMut([usize; 3])) {
     for k in z.clone() {
         for j in y.clone() {
             for i in x.clone() {

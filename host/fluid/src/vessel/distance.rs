@@ -39,6 +39,13 @@ impl DistanceGrid {
         }
     }
 
+    /// Lowest and highest corner of the grid's box.
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 2] {
+        let low = self.grid.origin_in_world_m;
+        [low, low + self.grid.extent_m()]
+    }
+
     /// Depth at a point.
     #[must_use]
     pub fn depth_inside_m(&self, point_in_world_m: Vec3) -> f32 {

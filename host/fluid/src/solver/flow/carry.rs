@@ -44,10 +44,11 @@ impl Flow {
     ) -> Result<(), Refused> {
         check_step(dt_s)?;
         self.carry(carriage, dt_s, self.force_scale, report);
-        let speed_m_s = self.clear_and_count(report).speed_m_s as f32;
+        let speed_m_s = self.clear_and_count(report, 1.0).speed_m_s as f32;
         if speed_m_s > MAX_SPEED_M_S {
             let scale = MAX_SPEED_M_S / speed_m_s;
             self.velocity.iter_mut().flat_map(|u| u.iter_mut()).for_each(|u| *u *= scale);
+            self.faces.hold(&mut self.velocity);
             self.survey = None;
         }
         Ok(())
@@ -67,12 +68,12 @@ impl Flow {
         let [start, end] = force_scale;
         if carriage == Carriage::Reflection {
             self.act(0.5 * dt_s, start, report);
-            self.clear_and_count(report);
+            self.clear_and_count(report, 1.0);
             self.reflect(0.5 * dt_s, report);
             self.act(0.5 * dt_s, end, report);
         } else {
             self.push_all(dt_s, 0.5 * (start + end));
-            self.clear_and_count(report);
+            self.clear_and_count(report, 1.0);
             self.trace_once(carriage, dt_s);
             report.viscous_iterations += self.diffuse(dt_s);
         }
@@ -85,7 +86,8 @@ impl Flow {
         for (reflected, u) in self.stage[0].iter_mut().zip(&self.velocity) {
             reflected.copy_from_slice(u);
         }
-        self.clear_and_count(report);
+        // Reflected, it counts twice.
+        self.clear_and_count(report, 2.0);
         for (reflected, u) in self.stage[0].iter_mut().zip(&self.velocity) {
             reflected.iter_mut().zip(u.iter()).for_each(|(r, u)| *r = 2.0 * u - *r);
         }
@@ -123,6 +125,7 @@ impl Flow {
                 values
             },
         );
+        faces.hold(out);
         ghosts.fill(out, Fill::Unprojected);
     }
 
@@ -139,6 +142,7 @@ impl Flow {
             #[inline(always)]
             |faces| tracer.linear(faces.c, u[faces.c], &tracer.trace(u, faces, -reach)),
         );
+        faces.hold(once);
         if carriage == Carriage::SemiLagrangian {
             ghosts.fill(once, Fill::Unprojected);
             std::mem::swap(velocity, once);
@@ -167,6 +171,7 @@ impl Flow {
                 values
             },
         );
+        faces.hold(out);
         ghosts.fill(out, Fill::Unprojected);
         std::mem::swap(velocity, out);
     }
@@ -192,11 +197,14 @@ impl Flow {
             let pairs = u.iter_mut().zip(f);
             pairs.for_each(|(u, f)| *u = (*u + push_s * f).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S));
         }
+        self.faces.hold(&mut self.velocity);
         self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
     }
 
-    fn clear_and_count(&mut self, report: &mut StepReport) -> Survey {
+    /// Projects; obstacles are pressed `times` as hard.
+    fn clear_and_count(&mut self, report: &mut StepReport, times: f64) -> Survey {
         let Projected { iterations, survey } = self.clear_divergence();
+        self.press_obstacles(times);
         report.pressure_iterations += iterations;
         self.survey = Some(survey);
         survey

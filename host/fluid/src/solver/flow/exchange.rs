@@ -12,10 +12,17 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::solver::flow::{
-    faces::Faces,
-    field::{Layout, Vector},
-    trace::face_in_cells,
+use crate::solver::{
+    Refused,
+    flow::{
+        Flow, MAX_SPEED_M_S,
+        faces::Faces,
+        field::{Layout, Vector, components},
+        ghosts::Fill,
+        pressure::masses,
+        trace::face_in_cells,
+    },
+    not_negative, within,
 };
 
 /// Narrower than this many cells a kernel would fall between the faces.
@@ -109,5 +116,59 @@ impl<'a> Kernel<'a> {
         (0..3)
             .for_each(|c| self.visit(c, |_, m, per_mass| squares += m * per_mass * per_mass / 3.0));
         1.0 / squares
+    }
+}
+
+impl Flow {
+    /// Gives the liquid `impulse_n_s` around a point, spread over the faces within `radius_m`
+    /// (at least two cells) by the kernel of [`Flow::gather`]. Returns the change of
+    /// [`Flow::momentum_n_s`] that rounding made of it, for the caller to carry the rest; it is
+    /// zero where no liquid is in reach. The divergence that this causes goes in the next step.
+    ///
+    /// # Errors
+    /// [`Refused`] if an argument is not finite, or the radius negative; nothing is changed.
+    pub fn push(
+        &mut self,
+        centre_in_world_m: Vec3,
+        radius_m: f32,
+        impulse_n_s: DVec3,
+    ) -> Result<DVec3, Refused> {
+        let worst = impulse_n_s.abs().max_element();
+        within("impulse_n_s", if impulse_n_s.is_nan() { f64::NAN } else { worst }, f64::MAX)?;
+        let centre = self.in_cells(centre_in_world_m);
+        within("centre_in_world_m", f64::from(centre.dot(Vec3::ONE)), f64::MAX)?;
+        let radius_m = not_negative("radius_m", radius_m)? as f32;
+        let mass_kg = self.cell_mass_kg();
+        if mass_kg <= 0.0 || impulse_n_s == DVec3::ZERO {
+            return Ok(DVec3::ZERO);
+        }
+        let radius = radius_m / self.grid.spacing_m;
+        let mass = masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()));
+        let kernel = Kernel::new(&self.layout, &self.faces, mass, centre, radius);
+        let velocity = self.velocity.each_mut().map(|u| &mut **u);
+        let change = kernel.push(velocity, impulse_n_s / mass_kg, MAX_SPEED_M_S);
+        self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.survey = None;
+        Ok(change * mass_kg)
+    }
+
+    /// Mean velocity of the liquid around a point, weighted as [`Flow::push`] spreads; zero
+    /// where no liquid is in reach.
+    #[must_use]
+    pub fn gather(&self, centre_in_world_m: Vec3, radius_m: f32) -> Vec3 {
+        self.kernel(centre_in_world_m, radius_m).gather(components(&self.velocity))
+    }
+
+    /// The mass that an impulse at a point moves at once, before the pressure has spread it:
+    /// rho h^3 / sum of squared weights. Infinite where no liquid is in reach.
+    #[must_use]
+    pub fn effective_mass_kg(&self, centre_in_world_m: Vec3, radius_m: f32) -> f64 {
+        self.cell_mass_kg() * self.kernel(centre_in_world_m, radius_m).mass_in_cells()
+    }
+
+    fn kernel(&self, centre_in_world_m: Vec3, radius_m: f32) -> Kernel<'_> {
+        let radius = radius_m / self.grid.spacing_m;
+        let centre = self.in_cells(centre_in_world_m);
+        Kernel::new(&self.layout, &self.faces, self.masses(), centre, radius)
     }
 }

@@ -4,15 +4,18 @@ use std::ops::Range;
 
 use crate::{
     grid::Grid,
-    mask::Mask,
     solver::{
         Side, Sides, Walls,
         flow::{
             field::{Field, Layout, Vector},
+            solids::Solids,
             walls::{Depth, WallFaces},
         },
     },
-    vessel::{Vessel, cut::Cut},
+    vessel::{
+        Vessel,
+        cut::{CellBox, Cut, each},
+    },
 };
 
 /// Which cells are liquid and which faces open, as factors that kernels multiply by.
@@ -43,6 +46,19 @@ pub struct VesselFaces {
     pub lift: Field,
     /// How a flow near the walls differs from one far from them.
     pub walls: WallFaces,
+    /// What obstacles do; `None` where there never was one.
+    pub solids: Option<Solids>,
+}
+
+/// What is cut of a grid between its sides.
+#[derive(Clone, Copy)]
+pub struct Section<'a> {
+    /// How the arrays lie.
+    pub layout: &'a Layout,
+    /// The sides of the box.
+    pub sides: &'a Sides,
+    /// The walls.
+    pub cut: &'a Cut,
 }
 
 impl Faces {
@@ -53,46 +69,168 @@ impl Faces {
             let mut parts = cut.face.iter().flatten().chain(&cut.volume);
             parts.any(|part| *part < 1.0)
         });
-        let mask = cut.as_ref().map_or_else(|| Mask::full(grid), |cut| Mask::of_cut(grid, cut));
-        let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
-        let (mut open, mut liquid) = (vector(), layout.zeros());
-        let mut live_rows = vec![0..0; layout.cells[2]];
-        let area = cut.as_ref().map(|cut| {
-            per_face(layout, sides, |axis, face| cut.face[axis][cut.face_index(axis, face)])
-        });
-        let is_passed =
-            |axis: usize, at: usize| area.as_ref().is_none_or(|area: &Vector| area[axis][at] > 0.0);
-        for (i, j, k) in cells(layout.cells) {
-            let (at, cell) = (layout.index(i, j, k), [i, j, k]);
-            if !mask.is_liquid(cell.map(|c| c as isize)) {
-                continue;
+        match cut {
+            Some(cut) => {
+                let mut depth = (walls == Walls::NoSlip).then(|| Depth::new(layout));
+                Self::of_section(Section { layout, sides, cut: &cut }, depth.as_mut())
             }
-            let first = if live_rows[k].is_empty() { j } else { live_rows[k].start };
-            live_rows[k] = first..j + 1;
-            liquid[at] = 1.0;
-            for axis in 0..3 {
-                let [lower, upper] = are_free(layout, sides, axis, cell);
-                if lower && is_passed(axis, at) {
-                    open[axis][at] = 1.0;
-                }
+            None => Self::of_box(layout, sides),
+        }
+    }
+
+    fn of_box(layout: &Layout, sides: &Sides) -> Self {
+        let [nx, ny, nz] = layout.cells;
+        let mut faces = Self::none(layout, None);
+        faces.live_rows.fill(0..ny);
+        faces.liquid_cells = nx * ny * nz;
+        for (i, j, k) in cells(layout.cells) {
+            faces.liquid[layout.index(i, j, k)] = 1.0;
+            faces.set_open(layout, sides, [i, j, k], |_, _| true);
+        }
+        faces
+    }
+
+    /// The faces of what is cut, as if any of it could be cut further; `depth` is asked for where
+    /// the liquid sticks to the walls, and kept up to date.
+    pub fn of_section(section: Section<'_>, depth: Option<&mut Depth>) -> Self {
+        let layout = section.layout;
+        let vessel = VesselFaces {
+            area: layout.zero_vector(),
+            open_area: layout.zeros(),
+            lift: layout.zeros(),
+            walls: WallFaces::new(layout),
+            solids: None,
+        };
+        let mut faces = Self::none(layout, Some(vessel));
+        faces.refresh(section, depth, &layout.cells.map(|n| 0..n));
+        for (k, rows) in faces.live_rows.iter_mut().enumerate() {
+            let is_live = |j: &usize| {
+                faces.liquid[layout.index(0, *j, k)..][..layout.cells[0]].contains(&1.0)
+            };
+            let all = 0..layout.cells[1];
+            let first = all.clone().find(is_live).unwrap_or_default();
+            *rows = first..all.rev().find(is_live).map_or(first, |last| last + 1);
+        }
+        faces
+    }
+
+    fn none(layout: &Layout, vessel: Option<VesselFaces>) -> Self {
+        Self {
+            open: layout.zero_vector(),
+            liquid: layout.zeros(),
+            live_rows: vec![0..0; layout.cells[2]],
+            liquid_cells: 0,
+            is_box: vessel.is_none(),
+            vessel,
+        }
+    }
+
+    /// Brings all but the live rows up to date where walls have changed: nothing else may have
+    /// within one cell of there.
+    pub fn refresh(&mut self, section: Section<'_>, depth: Option<&mut Depth>, changed: &CellBox) {
+        let Section { layout, sides, cut } = section;
+        let Some(mut vessel) = self.vessel.take() else { return };
+        section.each_padded(changed, |padded, at| {
+            for (c, area) in vessel.area.iter_mut().enumerate() {
+                area[at] = section.area(c, padded);
+            }
+        });
+        each(changed, |cell| {
+            let [i, j, k] = cell;
+            let at = layout.index(i, j, k);
+            let is_liquid = cut.holds_liquid(cell);
+            self.liquid_cells += usize::from(is_liquid);
+            self.liquid_cells -= usize::from(self.liquid[at] > 0.0);
+            self.liquid[at] = f32::from(is_liquid);
+            self.set_open(layout, sides, cell, |axis, at| is_liquid && vessel.area[axis][at] > 0.0);
+            [vessel.open_area[at], vessel.lift[at]] = match is_liquid {
+                true => cell_area(layout, sides, &vessel.area, cell),
+                false => [0.0; 2],
+            };
+        });
+        vessel.walls.refresh(section, [&self.open, &vessel.area], depth, changed);
+        self.vessel = Some(vessel);
+    }
+
+    /// Sets the lower faces of a cell, and those of its upper ones that are a side of the box.
+    fn set_open(
+        &mut self,
+        layout: &Layout,
+        sides: &Sides,
+        cell: [usize; 3],
+        is_passed: impl Fn(usize, usize) -> bool,
+    ) {
+        let [i, j, k] = cell;
+        let at = layout.index(i, j, k);
+        for axis in 0..3 {
+            let [lower, upper] = are_free(layout, sides, axis, cell);
+            self.open[axis][at] = f32::from(lower && is_passed(axis, at));
+            if cell[axis] + 1 == layout.cells[axis] && !sides.is_periodic(axis) {
                 let above = at + layout.strides()[axis];
-                let is_last = cell[axis] + 1 == layout.cells[axis];
-                if is_last && upper && !sides.is_periodic(axis) && is_passed(axis, above) {
-                    open[axis][above] = 1.0;
-                }
+                self.open[axis][above] = f32::from(upper && is_passed(axis, above));
             }
         }
-        let vessel = cut.zip(area).map(|(cut, area)| {
-            let depth = (walls == Walls::NoSlip).then(|| Depth {
-                below_wall: per_face(layout, sides, |axis, face| cut.face_depth(axis, face)),
-                bend: per_face(layout, sides, |axis, face| cut.face_bend(axis, face)),
-            });
-            let walls = WallFaces::new(layout, &open, &area, depth);
-            let (open_area, lift) = cell_areas(layout, sides, &mask, &area);
-            VesselFaces { area, open_area, lift, walls }
+    }
+
+    /// What obstacles do, if there are any.
+    pub fn solids(&self) -> Option<&Solids> {
+        self.vessel.as_ref().and_then(|vessel| vessel.solids.as_ref())
+    }
+
+    /// Gives faces that obstacles cover wholly their velocity.
+    pub fn hold(&self, velocity: &mut Vector) {
+        if let Some(solids) = self.solids() {
+            solids.hold(velocity);
+        }
+    }
+
+    /// Open part of a face: the liquid that has its velocity, per cell volume.
+    pub fn mass(&self, axis: usize, at: usize) -> f64 {
+        self.vessel.as_ref().map_or(1.0, |vessel| f64::from(vessel.area[axis][at]))
+    }
+}
+
+impl Section<'_> {
+    /// Part of a face that is open. As all faces here, it is counted from the one beyond the
+    /// lower sides: what is beyond a side is as next to it, or the same on the other side.
+    pub fn area(&self, c: usize, padded: [usize; 3]) -> f32 {
+        self.least(c, padded, |face| self.cut.face[c][self.cut.face_index(c, face)])
+    }
+
+    /// Mean depth below the walls over the open part of a face, in spacings.
+    pub fn depth(&self, c: usize, padded: [usize; 3]) -> f32 {
+        self.least(c, padded, |face| self.cut.face_depth(c, face))
+    }
+
+    /// Sum of the second differences of the depth about a face.
+    pub fn bend(&self, c: usize, padded: [usize; 3]) -> f32 {
+        self.least(c, padded, |face| self.cut.face_bend(c, face))
+    }
+
+    /// Calls `act(face, index)` for all faces of `cells` and one more to each side.
+    pub fn each_padded(&self, cells: &CellBox, mut act: impl FnMut([usize; 3], usize)) {
+        let [_, sy, sz] = self.layout.strides();
+        let padded = cells.clone().map(|range| range.start..range.end + 2);
+        each(&padded, |face| act(face, face[0] + face[1] * sy + face[2] * sz));
+    }
+
+    /// The least of a value for the places that a face has in a periodic box.
+    fn least(&self, c: usize, padded: [usize; 3], value: impl Fn([usize; 3]) -> f32) -> f32 {
+        let face = std::array::from_fn(|axis| {
+            let n = self.layout.cells[axis];
+            let last = if axis == c { n } else { n - 1 };
+            match self.sides.is_periodic(axis) {
+                true => (padded[axis] + n - 1) % n,
+                false => padded[axis].saturating_sub(1).min(last),
+            }
         });
-        let (liquid_cells, is_box) = (mask.liquid_cells(), vessel.is_none());
-        Self { open, liquid, live_rows, liquid_cells, vessel, is_box }
+        let least = value(face);
+        if self.sides.is_periodic(c) && face[c] == 0 {
+            let mut same = face;
+            same[c] = self.layout.cells[c];
+            return least.min(value(same));
+        }
+        least
     }
 }
 
@@ -109,54 +247,19 @@ fn are_free(layout: &Layout, sides: &Sides, axis: usize, cell: [usize; 3]) -> [b
     [cell[axis] > 0 || lower, cell[axis] + 1 < layout.cells[axis] || upper]
 }
 
-/// The least of `value(axis, face)` for the places that a face has in a periodic box. Beyond
-/// the sides it is as next to them.
-fn per_face(layout: &Layout, sides: &Sides, value: impl Fn(usize, [usize; 3]) -> f32) -> Vector {
-    let mut out = [layout.zeros(), layout.zeros(), layout.zeros()];
-    let [_, sy, sz] = layout.strides();
-    for (c, out) in out.iter_mut().enumerate() {
-        for (i, j, k) in cells(layout.cells.map(|n| n + 2)) {
-            let padded = [i, j, k];
-            let face = std::array::from_fn(|axis| {
-                let n = layout.cells[axis];
-                let last = if axis == c { n } else { n - 1 };
-                match sides.is_periodic(axis) {
-                    true => (padded[axis] + n - 1) % n,
-                    false => padded[axis].saturating_sub(1).min(last),
-                }
-            });
-            let mut least = value(c, face);
-            if sides.is_periodic(c) && face[c] == 0 {
-                let mut same = face;
-                same[c] = layout.cells[c];
-                least = least.min(value(c, same));
-            }
-            out[i + j * sy + k * sz] = least;
+/// Open area of a liquid cell, and what its inverse has more than without walls.
+fn cell_area(layout: &Layout, sides: &Sides, area: &Vector, cell: [usize; 3]) -> [f32; 2] {
+    let [i, j, k] = cell;
+    let at = layout.index(i, j, k);
+    let (mut open, mut whole) = (0.0, 0.0);
+    for (axis, area) in area.iter().enumerate() {
+        for (end, is_free) in are_free(layout, sides, axis, cell).into_iter().enumerate() {
+            let free = f32::from(is_free);
+            open += free * area[at + end * layout.strides()[axis]];
+            whole += free;
         }
     }
-    out
-}
-
-/// Open area of every liquid cell, and what its inverse has more than without walls.
-fn cell_areas(layout: &Layout, sides: &Sides, mask: &Mask, area: &Vector) -> (Field, Field) {
-    let (mut open_area, mut lift) = (layout.zeros(), layout.zeros());
-    for (i, j, k) in cells(layout.cells) {
-        let (at, cell) = (layout.index(i, j, k), [i, j, k]);
-        if !mask.is_liquid(cell.map(|c| c as isize)) {
-            continue;
-        }
-        let (mut open, mut whole) = (0.0, 0.0);
-        for (axis, area) in area.iter().enumerate() {
-            for (end, is_free) in are_free(layout, sides, axis, cell).into_iter().enumerate() {
-                let free = f32::from(is_free);
-                open += free * area[at + end * layout.strides()[axis]];
-                whole += free;
-            }
-        }
-        open_area[at] = open;
-        lift[at] = if open > 0.0 { 1.0 / open - 1.0 / whole } else { 0.0 };
-    }
-    (open_area, lift)
+    [open, if open > 0.0 { 1.0 / open - 1.0 / whole } else { 0.0 }]
 }
 
 #[cfg(test)]

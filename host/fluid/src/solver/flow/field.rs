@@ -63,6 +63,12 @@ impl Layout {
         (j + 1) * self.row + i + 1
     }
 
+    /// The cell at an index: the inverse of [`Layout::index`], for cells within the sides.
+    pub fn cell_of(&self, at: usize) -> [usize; 3] {
+        let in_plane = at % self.plane;
+        [in_plane % self.row - 1, in_plane / self.row - 1, at / self.plane - 1]
+    }
+
     /// Distance in memory between neighbours along x, y and z.
     pub fn strides(&self) -> [usize; 3] {
         [1, self.row, self.plane]
@@ -74,9 +80,26 @@ impl Layout {
         (0..self.cells[1]).map(move |j| first + j * self.row)
     }
 
+    /// Number of values that a side across `axis` has for each component.
+    pub fn points_of_side(&self, axis: usize) -> usize {
+        let [nx, ny, nz] = self.cells.map(|n| n + 2);
+        [ny * nz, nx * nz, self.plane][axis]
+    }
+
+    /// Place among these of a face, counted from the one beyond the lower sides.
+    pub fn place_on_side(&self, axis: usize, [i, j, k]: [usize; 3]) -> usize {
+        let [nx, ny, _] = self.cells.map(|n| n + 2);
+        [j + ny * k, i + nx * k, i + self.row * j][axis]
+    }
+
     /// A field of zeros.
     pub fn zeros(&self) -> Field {
         Field::zeros(self.plane * (self.cells[2] + 2))
+    }
+
+    /// A vector field of zeros.
+    pub fn zero_vector(&self) -> Vector {
+        [self.zeros(), self.zeros(), self.zeros()]
     }
 
     /// The planes of a padded array that hold cells, for a pool to deal out.

@@ -77,8 +77,6 @@ impl Line {
 impl Ghosts {
     /// The ghosts of a grid with these sides.
     pub fn new(layout: &Layout, sides: &Sides) -> Self {
-        let [nx, ny, nz] = layout.cells.map(|n| n + 2);
-        let points = [ny * nz, nx * nz, layout.plane];
         let rule = |axis: usize, side: Side| match side {
             Side::FreeSlip => Rule::Slides,
             Side::Outflow => Rule::Free,
@@ -86,11 +84,18 @@ impl Ghosts {
             Side::NoSlip | Side::Moving(_) | Side::Inflow(_) => {
                 let velocity = side.velocity_m_s(axis).unwrap_or_default().to_array();
                 let is_still = velocity == [0.0; 3];
-                Rule::Sticks((!is_still).then(|| velocity.map(|u| vec![u; points[axis]])))
+                Rule::Sticks(
+                    (!is_still).then(|| velocity.map(|u| vec![u; layout.points_of_side(axis)])),
+                )
             }
         };
         let rules = std::array::from_fn(|axis| sides.0[axis].map(|side| rule(axis, side)));
         Self { layout: *layout, rules }
+    }
+
+    /// Gives a side that the flow sticks to its velocity at each of its points, by component.
+    pub fn stick_to(&mut self, axis: usize, end: usize, velocity: [Vec<f32>; 3]) {
+        self.rules[axis][end] = Rule::Sticks(Some(velocity));
     }
 
     /// What the pressure meets at the ends of each axis.

@@ -93,7 +93,8 @@ impl Flow {
     /// the cells. Where densities differ by at most a tenth from [`crate::solver::Setup`]'s they
     /// act through its gravity alone (Boussinesq 1903); beyond, they weigh in the pressure, too, and
     /// what is lighter than a thousandth of the densest counts as that. Viscosities that differ
-    /// are solved for as stresses. A medium that is the same everywhere costs nothing.
+    /// are solved for as stresses. Around obstacles only gravity tells densities apart, and viscosity
+    /// is that of the setup. A medium that is the same everywhere costs nothing.
     /// ```
     /// use cauldron_fluid::{Grid, Vessel, solver::{Setup, Solver, flow::{Flow, Medium}}};
     /// use glam::Vec3;
@@ -129,6 +130,14 @@ impl Flow {
         Ok(())
     }
 
+    /// Forgets what differs from place to place in friction and weight.
+    pub(super) fn forget_unlike(&mut self) {
+        if let Some(mixture) = &mut self.mixture {
+            (mixture.is_thick_somewhere, mixture.is_weighty) = (false, false);
+            self.viscosity_m2_s = self.pure.viscosity_m2_s;
+        }
+    }
+
     /// Changes the kinematic viscosity from the next step on, to the same everywhere.
     ///
     /// # Errors
@@ -152,7 +161,8 @@ impl Flow {
     pub fn set_gravity_m_s2(&mut self, gravity_m_s2: Vec3) -> Result<(), Refused> {
         self.gravity_m_s2 = sound_gravity(gravity_m_s2)?;
         if let Some(mixture) = &mut self.mixture {
-            mixture.set_buoyancy(&self.layout, &self.faces.open, self.gravity_m_s2);
+            let weighs = mixture.is_weighty || self.obstacles.is_some();
+            mixture.set_buoyancy(&self.layout, &self.faces.open, self.gravity_m_s2, weighs);
         }
         self.survey = None;
         Ok(())
@@ -206,9 +216,9 @@ impl Flow {
         let mut mixture = self.take_mixture();
         if substances.densities().any(|density| self.is_weighty(density)) {
             self.projection.make_room();
-            mixture.weight = Some((Density::new(&self.layout, &self.faces), self.layout.zeros()));
+            mixture.weight = Some((Density::new(&self.layout, self.bare()), self.layout.zeros()));
         }
-        mixture.thick = Some(Thick::new(&self.layout, &self.faces));
+        mixture.thick = Some(Thick::new(&self.layout, self.bare()));
         self.spare_mixture = Some(mixture);
     }
 
@@ -226,16 +236,23 @@ impl Flow {
     fn settle_medium(&mut self, mut mixture: Box<Mixture>) {
         let density = self.range(&mixture.density);
         let viscosity = self.range(&mixture.viscosity_m2_s);
+        // Around obstacles all but gravity counts as that of the liquid alone.
+        let may_differ = self.obstacles.is_none();
         let pure = self.pure.density_kg_m3 as f32;
-        let reference = pure.clamp(density.least, density.most);
+        let reference = if may_differ { pure.max(density.least).min(density.most) } else { pure };
         self.density_kg_m3 = f64::from(reference);
         let has_viscosity = viscosity.most > LEAST_VISCOSITY_M2_S;
         self.viscosity_m2_s = if has_viscosity { f64::from(viscosity.most) } else { 0.0 };
         self.survey = None;
-        mixture.is_weighty = self.is_weighty(density.most) || self.is_weighty(density.least);
-        let is_thick_somewhere = viscosity.most - viscosity.least > ALIKE * viscosity.most
+        if !may_differ {
+            self.viscosity_m2_s = self.pure.viscosity_m2_s;
+        }
+        mixture.is_weighty =
+            may_differ && (self.is_weighty(density.most) || self.is_weighty(density.least));
+        let is_thick_somewhere = may_differ
+            && viscosity.most - viscosity.least > ALIKE * viscosity.most
             && viscosity.most > LEAST_VISCOSITY_M2_S;
-        if density.least == density.most && !is_thick_somewhere {
+        if density.least >= density.most && !is_thick_somewhere {
             self.spare_mixture = Some(mixture);
             return;
         }
@@ -243,7 +260,8 @@ impl Flow {
         let lightest = density.most * LEAST_SHARE;
         mixture.density.iter_mut().for_each(|density| *density = density.max(lightest) / reference);
         ghosts.extend_cells(&mut mixture.density);
-        mixture.set_buoyancy(layout, &faces.open, *gravity_m_s2);
+        let weighs = mixture.is_weighty || !may_differ;
+        mixture.set_buoyancy(layout, &faces.open, *gravity_m_s2, weighs);
         let on = Engine { pool, simd: *simd, faces };
         if mixture.is_weighty {
             self.projection.make_room();

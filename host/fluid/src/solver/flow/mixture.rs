@@ -101,7 +101,15 @@ impl Mixture {
     }
 
     /// Sets what gravity does to it.
-    pub fn set_buoyancy(&mut self, layout: &Layout, open: &Vector, gravity_m_s2: DVec3) {
+    ///
+    /// Where `weighs`, by what the liquid weighs itself, so that nothing falls faster than freely.
+    pub fn set_buoyancy(
+        &mut self,
+        layout: &Layout,
+        open: &Vector,
+        gravity_m_s2: DVec3,
+        weighs: bool,
+    ) {
         self.largest_m_s2 = 0.0;
         for c in 0..3 {
             let (out, gravity) = (&mut self.buoyancy_m_s2[c], gravity_m_s2[c] as f32);
@@ -121,8 +129,8 @@ impl Mixture {
                 lightest[face[c]] = lightest[face[c]].min(mean(at));
             }
             for (face, at) in faces() {
-                let weighs = if self.is_weighty { mean(at) } else { 1.0 };
-                out[at] = gravity * (mean(at) - lightest[face[c]]) / weighs;
+                let weight = if weighs { mean(at) } else { 1.0 };
+                out[at] = gravity * (mean(at) - lightest[face[c]]) / weight;
                 self.largest_m_s2 = self.largest_m_s2.max(f64::from(out[at].abs()));
             }
         }

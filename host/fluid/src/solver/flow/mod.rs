@@ -11,15 +11,20 @@ mod exchange;
 pub(crate) mod faces;
 pub(crate) mod field;
 mod ghosts;
+mod inlets;
+mod interface;
 mod inventory;
 mod krylov;
 mod looks;
 mod medium;
 mod mixture;
 mod momentum;
+mod obstacles;
 mod poisson;
 mod pressure;
+mod reaction;
 mod schedule;
+mod solids;
 mod stages;
 mod step;
 mod stress;
@@ -33,31 +38,29 @@ pub use self::{looks::Looks, medium::Medium};
 
 use std::sync::Arc;
 
+pub use self::inlets::SideVelocity;
 use glam::{DVec3, Vec3};
 
 use self::{
     engine::Engine,
-    exchange::Kernel,
     faces::{Faces, cells},
     field::{FaceRuns, Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
     looks::Looking,
     medium::sound_gravity,
     mixture::{Mixture, working},
-    pressure::{Prediction, Projection, Telling, masses},
+    obstacles::Obstacles,
+    pressure::{Prediction, Projection},
     stages::History,
     survey::Survey,
-    trace::Tracer,
     viscous::Viscous,
 };
 use crate::{
     grid::Grid,
     pool::Pool,
     simd::SimdClass,
-    solver::{
-        Refused, Scheme, Setup, SetupError, Solver, StepReport, VectorField, VisitVelocity,
-        not_negative, within,
-    },
+    solver::{Refused, Scheme, Setup, SetupError, Sides, VectorField, Walls, not_negative, within},
+    vessel::Vessel,
 };
 
 /// No velocity is accepted or kept above this.
@@ -85,9 +88,13 @@ fn check_grid(grid: &Grid) -> Result<(), Refused> {
 /// Incompressible flow in a vessel.
 pub struct Flow {
     grid: Grid,
+    vessel: Vessel,
+    sides: Sides,
+    walls: Walls,
     layout: Layout,
     faces: Faces,
     ghosts: Ghosts,
+    obstacles: Option<Box<Obstacles>>,
     /// True if a side can put energy in.
     is_driven: bool,
     /// Largest speed that a side imposes.
@@ -152,6 +159,10 @@ impl Flow {
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
         let mut flow = Self {
             grid: setup.grid,
+            vessel: setup.vessel.clone(),
+            sides: setup.sides,
+            walls: setup.walls,
+            obstacles: None,
             is_driven: setup.sides.drive(),
             side_speed_m_s: setup.sides.largest_speed_m_s(),
             density_kg_m3,
@@ -227,52 +238,6 @@ impl Flow {
         self.density_kg_m3 * f64::from(self.grid.cell_volume_m3())
     }
 
-    /// Gives the liquid `impulse_n_s` around a point, spread over the faces within `radius_m`
-    /// (at least two cells) by the kernel of [`Flow::gather`]. Returns the change of
-    /// [`Flow::momentum_n_s`] that rounding made of it, for the caller to carry the rest; it is
-    /// zero where no liquid is in reach. The divergence that this causes goes in the next step.
-    ///
-    /// # Errors
-    /// [`Refused`] if an argument is not finite, or the radius negative; nothing is changed.
-    pub fn push(
-        &mut self,
-        centre_in_world_m: Vec3,
-        radius_m: f32,
-        impulse_n_s: DVec3,
-    ) -> Result<DVec3, Refused> {
-        let worst = impulse_n_s.abs().max_element();
-        within("impulse_n_s", if impulse_n_s.is_nan() { f64::NAN } else { worst }, f64::MAX)?;
-        let centre = self.in_cells(centre_in_world_m);
-        within("centre_in_world_m", f64::from(centre.dot(Vec3::ONE)), f64::MAX)?;
-        within("radius_m", f64::from(radius_m), f64::MAX)?;
-        let mass_kg = self.cell_mass_kg();
-        if mass_kg <= 0.0 || impulse_n_s == DVec3::ZERO {
-            return Ok(DVec3::ZERO);
-        }
-        let radius = radius_m / self.grid.spacing_m;
-        let mass = masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()));
-        let kernel = Kernel::new(&self.layout, &self.faces, mass, centre, radius);
-        let velocity = self.velocity.each_mut().map(|u| &mut **u);
-        let change = kernel.push(velocity, impulse_n_s / mass_kg, MAX_SPEED_M_S);
-        self.ghosts.fill(&mut self.velocity, Fill::Projected);
-        self.survey = None;
-        Ok(change * mass_kg)
-    }
-
-    /// Mean velocity of the liquid around a point, weighted as [`Flow::push`] spreads; zero
-    /// where no liquid is in reach.
-    #[must_use]
-    pub fn gather(&self, centre_in_world_m: Vec3, radius_m: f32) -> Vec3 {
-        self.kernel(centre_in_world_m, radius_m).gather(components(&self.velocity))
-    }
-
-    /// The mass that an impulse at a point moves at once, before the pressure has spread it:
-    /// rho h^3 / sum of squared weights. Infinite where no liquid is in reach.
-    #[must_use]
-    pub fn effective_mass_kg(&self, centre_in_world_m: Vec3, radius_m: f32) -> f64 {
-        self.cell_mass_kg() * self.kernel(centre_in_world_m, radius_m).mass_in_cells()
-    }
-
     /// Momentum of the liquid: the sum of rho u h^3 over the open parts of all faces,
     /// in f64.
     #[must_use]
@@ -306,6 +271,9 @@ impl Flow {
                 }
             });
         }
+        if let Some(solids) = &vessel.solids {
+            solids.add_fluxes(layout, &self.ghosts, fluxes);
+        }
         components(fluxes)
     }
 
@@ -319,15 +287,20 @@ impl Flow {
         (point_in_world_m - self.grid.origin_in_world_m) / self.grid.spacing_m
     }
 
-    fn kernel(&self, centre_in_world_m: Vec3, radius_m: f32) -> Kernel<'_> {
-        let radius = radius_m / self.grid.spacing_m;
-        let centre = self.in_cells(centre_in_world_m);
-        Kernel::new(&self.layout, &self.faces, self.masses(), centre, radius)
+    /// The faces as the vessel alone leaves them.
+    fn bare(&self) -> &Faces {
+        self.obstacles.as_ref().map_or(&self.faces, |obstacles| &obstacles.bare)
     }
 
-    /// Where the flow is computed, for what is carried with it.
+    /// Where the flow is computed.
     pub(crate) fn engine(&self) -> Engine<'_> {
         Engine { pool: &self.pool, simd: self.simd, faces: &self.faces }
+    }
+
+    /// The same for what is carried with the flow by [`Flow::fluxes`]: in these, obstacles are
+    /// liquid that moves as they do, so that what they cover is kept and carried along.
+    pub(crate) fn carrier(&self) -> Engine<'_> {
+        Engine { faces: self.bare(), ..self.engine() }
     }
 
     fn surveyed(&self) -> Survey {
@@ -345,11 +318,11 @@ impl Flow {
         self.grid.origin_in_world_m.as_dvec3() + f64::from(self.grid.spacing_m) * cells
     }
 
-    /// Calls `visit(component, index, position)` for every open face.
-    fn visit_open(&self, mut visit: impl FnMut(usize, usize, DVec3)) {
+    /// Calls `visit(component, index, position)` for every face that is open in `open`.
+    fn visit_open(&self, open: &Vector, mut visit: impl FnMut(usize, usize, DVec3)) {
         for (i, j, k) in cells(self.layout.cells) {
             let at = self.layout.index(i, j, k);
-            for c in (0..3).filter(|c| self.faces.open[*c][at] > 0.0) {
+            for c in (0..3).filter(|c| open[*c][at] > 0.0) {
                 visit(c, at, self.face_in_world_m(c, [i, j, k]));
             }
         }
@@ -369,15 +342,19 @@ impl Flow {
                 .as_ref()
                 .map(|vessel| FaceRuns::new(&self.layout, components(&vessel.area), row, nx));
             let cells = (0..nx).filter(|i| liquid[*i] > 0.0);
+            let solids = self.faces.solids();
             cells.for_each(|i| {
+                let swell = solids.map_or(0.0, |solids| solids.swell[row + i]);
                 visit(
-                    area.map_or_else(|| faces.outflow(i), |area| faces.outflow_through(&area, i)),
+                    area.map_or_else(|| faces.outflow(i), |area| faces.outflow_through(&area, i))
+                        + swell,
                 );
             });
         }
     }
 
-    /// Samples `field` on the open faces into `out`; returns the largest magnitude.
+    /// Samples `field` into `out` on the faces that are open once no obstacle covers them; returns
+    /// the largest magnitude.
     fn sample(
         &self,
         what: &'static str,
@@ -387,84 +364,12 @@ impl Flow {
     ) -> Result<f64, Refused> {
         let mut largest = Ok(0.0f64);
         out.iter_mut().for_each(|out| out.fill(0.0));
-        self.visit_open(|c, at, point| {
+        self.visit_open(&self.bare().open, |c, at, point| {
             let value = field(point)[c];
             out[c][at] = value as f32;
             largest = largest
                 .and_then(|so_far| within(what, value, limit).map(|value| so_far.max(value.abs())));
         });
         largest
-    }
-}
-
-impl Solver for Flow {
-    fn set_velocity(&mut self, velocity_m_s: &VectorField<'_>) -> Result<(), Refused> {
-        let mut sampled = [self.layout.zeros(), self.layout.zeros(), self.layout.zeros()];
-        let limit = f64::from(MAX_SPEED_M_S);
-        self.sample("velocity_m_s", velocity_m_s, limit, &mut sampled)?;
-        self.velocity = sampled;
-        self.ghosts.fill(&mut self.velocity, Fill::Unprojected);
-        self.excess_m2_s2 = 0.0;
-        self.pressure_dt_s = 0.0;
-        self.history = None;
-        self.survey = None;
-        Ok(())
-    }
-
-    fn set_force(&mut self, acceleration_m_s2: &VectorField<'_>) -> Result<(), Refused> {
-        let mut sampled = [self.layout.zeros(), self.layout.zeros(), self.layout.zeros()];
-        let name = "acceleration_m_s2";
-        let largest_m_s2 =
-            self.sample(name, acceleration_m_s2, MAX_ACCELERATION_M_S2, &mut sampled)?;
-        self.force = Some(Force { acceleration_m_s2: sampled, largest_m_s2 });
-        self.survey = None;
-        Ok(())
-    }
-
-    fn scale_force(&mut self, start: f64, end: f64) -> Result<(), Refused> {
-        self.force_scale = [within("force scale", start, 1e3)?, within("force scale", end, 1e3)?];
-        // The drive of a mixture has the scale in it.
-        self.survey = self.survey.filter(|_| self.mixture.is_none());
-        Ok(())
-    }
-
-    fn step(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
-        self.advance(dt_s)
-    }
-
-    fn project(&mut self) {
-        let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
-        let on = Engine { pool, simd: *simd, faces };
-        let density = self.mixture.as_ref().and_then(|mixture| mixture.weight());
-        projection.project(on, ghosts, velocity, Telling::Nothing, density);
-        self.survey = None;
-    }
-
-    fn visit(&self, visit: &mut VisitVelocity<'_>) {
-        self.visit_open(|c, at, point| visit(point, c, f64::from(self.velocity[c][at])));
-    }
-
-    fn divergence_l2_per_s(&self) -> f64 {
-        let (mut squares, mut cells) = (0.0, 0);
-        self.visit_outflow(|outflow| {
-            squares += f64::from(outflow) * f64::from(outflow);
-            cells += 1;
-        });
-        (squares / f64::from(cells.max(1))).sqrt() / f64::from(self.grid.spacing_m)
-    }
-
-    fn divergence_max_per_s(&self) -> f64 {
-        let mut largest = 0f32;
-        self.visit_outflow(|outflow| largest = largest.max(outflow.abs()));
-        f64::from(largest) / f64::from(self.grid.spacing_m)
-    }
-
-    fn velocity_at(&self, point_in_world_m: Vec3) -> Vec3 {
-        let tracer = Tracer::new(&self.layout, &self.ghosts);
-        tracer.velocity_at(components(&self.velocity), self.in_cells(point_in_world_m))
-    }
-
-    fn kinetic_energy_j(&self) -> f64 {
-        self.surveyed().energy_m2_s2 * self.cell_mass_kg()
     }
 }

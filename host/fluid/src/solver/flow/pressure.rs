@@ -124,6 +124,11 @@ impl Projection {
         Projected { iterations, survey }
     }
 
+    /// What the last projection found, times the step: the pressure per density and spacing.
+    pub fn found(&self) -> &[f32] {
+        &self.psi
+    }
+
     /// Subtracts the gradient of psi, snaps what is nearly at rest, and tells of the outcome.
     fn correct(
         &mut self,
@@ -243,6 +248,10 @@ fn set_residual(
                     let liquid = cut(&on.faces.liquid, at, len);
                     for i in 0..out.len() {
                         out[i] = -liquid[i] * faces.outflow_through(&area, i);
+                    }
+                    if let Some(solids) = &vessel.solids {
+                        let swell = cut(&solids.swell, at, len);
+                        (0..out.len()).for_each(|i| out[i] -= liquid[i] * swell[i]);
                     }
                     sums[0].add_product(out, out);
                     faces.add_squares(&mut sums[1]);

@@ -7,9 +7,10 @@ use crate::solver::flow::{
     engine::Engine,
     field::{Vector, components},
     ghosts::Fill,
-    mixture::{Accelerating, Pull, accelerating},
+    mixture::{Accelerating, Pull, accelerating, working},
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
     pressure::Prediction,
+    reaction::{Solved, Viscosity},
     step::Part,
     viscous::{Viscous, implicit_share},
     walls::{Weights, correct, hold},
@@ -22,6 +23,9 @@ const PREDICTABLE: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// share of the advanced stage, and when in the step the force of the stage is taken.
 const STAGES: [(f32, f32, f64); 3] =
     [(0.0, 1.0, 0.0), (3.0 / 4.0, 1.0 / 4.0, 1.0), (1.0 / 3.0, 2.0 / 3.0, 0.5)];
+
+/// What each stage adds to the change of a whole step.
+const STAGE_WEIGHTS: [f32; 3] = [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0];
 
 /// What the rates of the last part are good for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +51,9 @@ impl Flow {
             return;
         }
         self.forget_pressure();
+        let obstacles = self.obstacles.take();
         self.run_stages(part);
+        self.obstacles = obstacles;
         self.clear_divergence();
         self.learn_pressure(part);
         mem::swap(&mut self.velocity, &mut self.stage[0]);
@@ -103,6 +109,10 @@ impl Flow {
         let pull = Pull { slowed: Some(components(velocity)), ..Pull::of(scale) };
         let force = accelerating(on, layout, &self.force, &mut self.mixture, pull).force;
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.measure(faces, stage, Weights::of(terms, 1.0), Viscosity::Explicit);
+            obstacles.count(advance.new_s.into(), advance.old_s.into());
+        }
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
@@ -119,6 +129,7 @@ impl Flow {
                 correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
+        faces.hold(out);
         ghosts.fill_normals(out);
         mem::swap(velocity, out);
     }
@@ -144,6 +155,11 @@ impl Flow {
         let viscous = if is_uniform { number as f32 } else { 0.0 };
         let pressure = pressure.unwrap_or(&self.pressure.next);
         let advance = Semi { rates, pressure, dt_s, viscous };
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.measure(faces, stage, Weights::of(terms, 1.0), Viscosity::Implicit);
+            obstacles.count(rates.new_s.into(), rates.old_s.into());
+            obstacles.keep(faces, velocity, 0);
+        }
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
         let [gx, gy, gz] = history.each_mut().map(|field| layout.planes(field));
         on.pool.planes([x, y, z, gx, gy, gz], [layout.plane; 6], |k, [x, y, z, gx, gy, gz]| {
@@ -171,8 +187,16 @@ impl Flow {
         }
         ghosts.fill(out, Fill::Difference);
         let Some(viscous) = &mut self.viscous else { return 0 };
-        let room = self.projection.room();
-        viscous.solve(on, ghosts, room, (theta * number) as f32, out, velocity)
+        let (s, room) = (theta * number, self.projection.room());
+        let iterations = viscous.solve(on, ghosts, room, s as f32, out, velocity);
+        if let Some(obstacles) = &mut self.obstacles {
+            let pressure = Some((&*self.pressure.next, part.dt_s));
+            let force = working(self.force.as_ref(), self.mixture.as_deref());
+            let force = force.map(|force| (force, part.dt_s * f64::from(terms.force)));
+            obstacles.keep(faces, velocity, 1);
+            obstacles.count_solved(layout, faces, Solved { number, s, pressure, force });
+        }
+        iterations
     }
 
     /// Prepares to solve for thick liquid.
@@ -190,8 +214,11 @@ impl Flow {
         }
         self.make_viscous();
         let theta = implicit_share(number);
-        let Self { faces, ghosts, velocity, stage: [rhs, _], pool, simd, .. } = self;
+        let Self { layout, faces, ghosts, velocity, stage: [rhs, _], pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.keep(faces, velocity, 0);
+        }
         // What was traced or pushed need not stick to a side yet. A ghost on a parabola would call
         // for more than what is solved for can give, and the flow would swing beyond rest.
         ghosts.fill(velocity, Fill::Carried);
@@ -201,9 +228,15 @@ impl Flow {
             return thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity);
         }
         let Some(viscous) = &mut self.viscous else { return 0 };
-        viscous.set_rhs(on, velocity, rhs, number as f32);
-        let room = self.projection.room();
-        viscous.solve(on, ghosts, room, (theta * number) as f32, rhs, velocity)
+        viscous.set_rhs(on, ghosts, velocity, rhs, number as f32);
+        let (s, room) = (theta * number, self.projection.room());
+        let iterations = viscous.solve(on, ghosts, room, s as f32, rhs, velocity);
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.keep(faces, velocity, 1);
+            let solved = Solved { number, s, pressure: None, force: None };
+            obstacles.count_solved(layout, faces, solved);
+        }
+        iterations
     }
 
     /// One part in three stages, explicit throughout.
@@ -224,6 +257,11 @@ impl Flow {
             let force = accelerating.force;
             let (layout, velocity) = (*layout, components(velocity));
             let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
+            if let Some(obstacles) = &mut self.obstacles {
+                let weights = Weights::of(stage.terms, STAGE_WEIGHTS[index] * part.dt_s as f32);
+                obstacles.measure(faces, stage, weights, Viscosity::Explicit);
+                obstacles.count(1.0, 0.0);
+            }
             let advance = RungeKutta {
                 start: velocity,
                 pressure: accelerating.pressure.unwrap_or(&pressure.next),
@@ -245,6 +283,7 @@ impl Flow {
                     hold(on, stage, k, run, weights, out);
                 }
             });
+            faces.hold(to);
             ghosts.fill(to, Fill::Unprojected);
         }
         mem::swap(velocity, first);

@@ -25,6 +25,12 @@ const GUARD_SLACK: f64 = 1e-3;
 /// Part by which the work on a mixture may be more: the books know it to the first order in the
 /// step, in which density and velocity are carried one after the other.
 const WORK_SLACK: f64 = 0.05;
+/// A step that leaves less than this part of the energy ends the flow whose pressure is known.
+const LITTLE_LEFT: f64 = 0.1;
+
+/// Parts of a step with moving obstacles, after which the rest of it is traced: as many as two
+/// plans would have at most.
+const MOST_STIRRED_PARTS: u32 = 32;
 
 /// One part of a step.
 #[derive(Clone, Copy)]
@@ -58,21 +64,57 @@ impl Flow {
         let before = self.surveyed();
         if dt_s == 0.0 || (self.may_sleep && before.speed_m_s == 0.0 && !self.is_forced()) {
             self.survey = Some(before);
+            if let Some(obstacles) = &mut self.obstacles {
+                obstacles.close(0.0);
+            }
             return Ok(self.report_of_rest(before));
+        }
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.sweep(&self.layout, &mut self.faces, dt_s);
         }
         let plan = self.plan_step(dt_s, before);
         let mut report =
             StepReport { substeps: plan.parts, scheme: plan.scheme, ..StepReport::at_rest() };
         self.pressure.share = plan.trend_share;
         let mut after = before;
-        for index in 0..plan.parts {
-            after = self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+        if self.is_stirred() {
+            after = self.advance_stirred(dt_s, before, &mut report);
+        } else {
+            for index in 0..plan.parts {
+                after = self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+            }
+        }
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.close(self.density_kg_m3 * f64::from(self.grid.cell_volume_m3()) / dt_s);
         }
         let after = self.guard(before, after, dt_s, &mut report);
-        self.settle(after);
+        self.settle(before, after);
         report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
         report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
         Ok(report)
+    }
+
+    /// How fast liquid gives way to obstacles is known only once it did: each part is planned anew.
+    fn advance_stirred(&mut self, dt_s: f64, before: Survey, report: &mut StepReport) -> Survey {
+        let whole = Part { dt_s, force_scale: self.force_scale };
+        let (mut after, mut done) = (before, 0.0);
+        report.substeps = 0;
+        while done < 1.0 {
+            let mut plan = self.plan_step((1.0 - done) * dt_s, after);
+            if report.substeps >= MOST_STIRRED_PARTS {
+                plan = Plan { scheme: Scheme::Traced, parts: 1, trend_share: 0.0 };
+            }
+            let end =
+                if plan.parts == 1 { 1.0 } else { done + (1.0 - done) / f64::from(plan.parts) };
+            let ends = [done, end].map(|share| whole.scale_at(share));
+            let part = Part { dt_s: (end - done) * dt_s, force_scale: ends };
+            self.pressure.share = plan.trend_share;
+            after = self.advance_part(part, plan.scheme, report);
+            report.scheme = plan.scheme;
+            report.substeps += 1;
+            done = end;
+        }
+        after
     }
 
     fn advance_part(&mut self, part: Part, scheme: Scheme, report: &mut StepReport) -> Survey {
@@ -89,7 +131,11 @@ impl Flow {
         }
         let Projected { iterations, survey } = self.clear_divergence();
         report.pressure_iterations += iterations;
+        self.press_obstacles(1.0);
         if matches!(scheme, Scheme::Central | Scheme::MultistepImplicit) {
+            if let Some(obstacles) = &mut self.obstacles {
+                obstacles.press(&self.layout, &self.faces, &self.pressure.next, part.dt_s);
+            }
             self.learn_pressure(part);
         }
         survey
@@ -100,7 +146,9 @@ impl Flow {
         let scale = self.force_scale[0].abs().max(self.force_scale[1].abs());
         let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale)
             + self.mixture.as_ref().map_or(0.0, |mixture| mixture.largest_m_s2);
-        let speed_m_s = before.speed_m_s.max(self.side_speed_m_s) + pull * dt_s;
+        let solids_m_s = self.obstacles.as_ref().map_or(0.0, |obstacles| obstacles.speed_m_s());
+        let given_m_s = self.side_speed_m_s.max(solids_m_s);
+        let speed_m_s = before.speed_m_s.max(given_m_s) + pull * dt_s;
         let cfl = speed_m_s * dt_s / spacing_m;
         let number = self.diffusion_number(dt_s);
         // Between two projections stresses act on gradients, too: twice as fast.
@@ -121,7 +169,19 @@ impl Flow {
         let is_pushed = self.force.as_ref().is_some_and(|force| force.largest_m_s2 > 0.0)
             && self.force_scale != [0.0; 2];
         let is_pulled = self.mixture.as_ref().is_some_and(|mixture| mixture.largest_m_s2 > 0.0);
-        is_pushed || is_pulled || self.side_speed_m_s > 0.0
+        is_pushed || is_pulled || self.side_speed_m_s > 0.0 || self.is_stirred()
+    }
+
+    /// True if an obstacle moves.
+    fn is_stirred(&self) -> bool {
+        self.faces.solids().is_some_and(|solids| solids.is_moving)
+    }
+
+    /// Counts the last projection as a push on obstacles.
+    pub(super) fn press_obstacles(&mut self, times: f64) {
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.press(&self.layout, &self.faces, self.projection.found(), times);
+        }
     }
 
     /// How fast friction is at most, where it differs from place to place.
@@ -148,8 +208,8 @@ impl Flow {
     }
 
     /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
-    /// What it does exceed it by is added up until it is worth an action. What moving sides and
-    /// openings give is not known here: there only the speed is bounded.
+    /// What it does exceed it by is added up until it is worth an action. What moving sides,
+    /// obstacles and openings give is not known here: there only the speed is bounded.
     fn guard(
         &mut self,
         before: Survey,
@@ -170,7 +230,8 @@ impl Flow {
         };
         let work = push_s * power_m2_s3;
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
-        self.excess_m2_s2 = if self.is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
+        let is_driven = self.is_driven || self.is_stirred();
+        self.excess_m2_s2 = if is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
         let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());
         let excess = if is_tolerated { 0.0 } else { self.excess_m2_s2 };
         let for_energy = ((after.energy_m2_s2 - excess)
@@ -188,13 +249,19 @@ impl Flow {
         for u in self.velocity.iter_mut().flat_map(|u| u.iter_mut()) {
             *u *= scale as f32;
         }
+        self.faces.hold(&mut self.velocity);
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
         self.survey = None;
         self.surveyed()
     }
 
-    /// Liquid that has come to rest keeps no pressure: a step from here computes zeros.
-    fn settle(&mut self, after: Survey) {
+    /// Liquid that has come to rest keeps no pressure: a step from here computes zeros. Nor does
+    /// that of a flow predict anything once hardly any of it is left: what it was wrong by would
+    /// be all that the next steps have to do.
+    fn settle(&mut self, before: Survey, after: Survey) {
+        if after.energy_m2_s2 < LITTLE_LEFT * before.energy_m2_s2 {
+            self.pressure_dt_s = 0.0;
+        }
         if after.speed_m_s == 0.0 {
             self.forget_pressure();
             self.pressure_dt_s = 0.0;

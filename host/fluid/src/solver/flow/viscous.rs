@@ -81,10 +81,20 @@ impl Viscous {
     }
 
     /// rhs = -a D u, the change that viscosity alone would make of `velocity`, a = nu dt / h^2.
-    pub fn set_rhs(&self, on: Engine<'_>, velocity: &Vector, rhs: &mut Vector, a: f32) {
-        apply(on, &self.layout, components(velocity), rhs, [0.0, -a]);
+    pub fn set_rhs(
+        &self,
+        on: Engine<'_>,
+        ghosts: &Ghosts,
+        velocity: &Vector,
+        rhs: &mut Vector,
+        a: f32,
+    ) {
+        apply(on, &self.layout, ghosts, components(velocity), rhs, [0.0, -a]);
         if let Some(vessel) = &on.faces.vessel {
             vessel.walls.weigh(rhs, true);
+            if let Some(solids) = &vessel.solids {
+                solids.pull(rhs, a);
+            }
         }
     }
 
@@ -130,6 +140,11 @@ fn iterate(
 ) -> u32 {
     if let Some(vessel) = &on.faces.vessel {
         vessel.walls.weigh(residual, false);
+        let planes = residual.each_mut().map(|out| layout.planes(out));
+        let [x, y, z] = planes.map(|planes| planes.chunks_exact_mut(layout.plane));
+        for (k, ((x, y), z)) in x.zip(y).zip(z).enumerate() {
+            leave_out_sides(on, layout, ghosts, components(velocity), k, [x, y, z]);
+        }
     }
     let mut square = norm(on, layout, components(residual));
     let speed_square = norm(on, layout, components(velocity));
@@ -141,7 +156,7 @@ fn iterate(
     let mut iterations = 0;
     while square > small && iterations < MAX_ITERATIONS {
         ghosts.fill(direction, Fill::Difference);
-        let curvature = apply(on, layout, components(direction), product, [1.0, s]);
+        let curvature = apply(on, layout, ghosts, components(direction), product, [1.0, s]);
         if curvature <= 0.0 || !curvature.is_finite() {
             break;
         }
@@ -161,6 +176,7 @@ fn iterate(
 fn apply(
     on: Engine<'_>,
     layout: &Layout,
+    ghosts: &Ghosts,
     u: [&[f32]; 3],
     out: &mut Vector,
     shares: [f32; 2],
@@ -177,10 +193,48 @@ fn apply(
                 apply_row::<2>(on, layout, u[2], at, cut_mut(z, to, len), shares, sum);
             },
         )[0];
-        let beside_walls =
-            |vessel: &VesselFaces| vessel.walls.apply(layout, u, k, shares, [x, y, z]);
+        let beside_walls = |vessel: &VesselFaces| {
+            let out = [&mut *x, &mut *y, &mut *z];
+            vessel.walls.apply(layout, u, k, shares, out)
+                - leave_out_sides(on, layout, ghosts, u, k, [x, y, z])
+        };
         sum + on.faces.vessel.as_ref().map_or(0.0, beside_walls)
     })
+}
+
+/// Sets plane `k` of `out` to 0 on sides that let out what comes: there a velocity is not solved
+/// for, but that of the next face within, and with it as another unknown the matrix beside cut
+/// faces is not symmetric. Returns what they had of the sum of u `out`.
+fn leave_out_sides(
+    on: Engine<'_>,
+    layout: &Layout,
+    ghosts: &Ghosts,
+    u: [&[f32]; 3],
+    k: usize,
+    [x, y, z]: [&mut [f32]; 3],
+) -> f64 {
+    let Some(run) = on.live_run(layout, k) else { return 0.0 };
+    let (mut sum, [nx, ny, _]) = (0.0, layout.cells);
+    let mut leave_out = |c: usize, out: &mut [f32], to: usize| {
+        sum += f64::from(u[c][(k + 1) * layout.plane + to]) * f64::from(out[to]);
+        out[to] = 0.0;
+    };
+    let cells = run.to..run.to + run.len;
+    let free = |axis: usize, places: [usize; 2]| {
+        [0, 1].into_iter().filter(move |end| ghosts.is_free(axis, *end)).map(move |end| places[end])
+    };
+    for place in free(0, [0, nx]) {
+        let rows = (0..ny).map(|j| layout.index_in_plane(place, j));
+        rows.filter(|to| cells.contains(to)).for_each(|to| leave_out(0, x, to));
+    }
+    for place in free(1, [0, ny]) {
+        let row = (0..nx).map(|i| layout.index_in_plane(i, place));
+        row.filter(|to| cells.contains(to)).for_each(|to| leave_out(1, y, to));
+    }
+    if k == 0 && ghosts.is_free(2, 0) {
+        cells.for_each(|to| leave_out(2, z, to));
+    }
+    sum
 }
 
 #[inline(always)]
@@ -287,7 +341,7 @@ mod tests {
                 let asked = rhs.each_ref().map(|field| field.to_vec());
                 assert_eq!(viscous.solve(on, &ghosts, &mut room, s, &mut rhs, &mut change), 0);
                 ghosts.fill(&mut change, Fill::Difference);
-                apply(on, &layout, components(&change), &mut back, [1.0, s]);
+                apply(on, &layout, &ghosts, components(&change), &mut back, [1.0, s]);
                 for (c, (i, j, k)) in (0..3).flat_map(|c| cells(size).map(move |cell| (c, cell))) {
                     let at = layout.index(i, j, k);
                     let miss = back[c][at] - faces.open[c][at] * asked[c][at];

@@ -17,11 +17,16 @@
 //! to their friction is made up for, and no more than the slope of the depth at the wall
 //! is asked of a distance.
 
-use crate::solver::flow::{
-    engine::Engine,
-    faces::cells,
-    field::{Layout, Run, Vector, cut, cut_mut},
-    momentum::{Stage, Terms},
+use glam::Vec3;
+
+use crate::{
+    solver::flow::{
+        engine::Engine,
+        faces::Section,
+        field::{Layout, Run, Vector, cut, cut_mut},
+        momentum::{Stage, Terms},
+    },
+    vessel::cut::{CellBox, each, grown},
 };
 
 /// The wall takes at least this part of what it would take at a distance of 1: less says that two
@@ -37,28 +42,44 @@ const MOST_INERTIA: f32 = 0.75;
 
 /// A face beside a wall.
 #[derive(Clone, Copy)]
-struct WallFace {
-    at: u32,
-    inertia: f32,
-    per_inertia: f32,
-    drag: f32,
+pub struct WallFace {
+    pub at: u32,
+    pub inertia: f32,
+    pub per_inertia: f32,
+    pub drag: f32,
     /// Areas towards its neighbours: before and behind along x, y and z.
     areas: [[f32; 2]; 3],
+    /// The obstacle that the wall is, if it is one.
+    pub owner: Option<u32>,
 }
 
-/// The faces beside walls, by component, in the order of memory.
-pub struct WallFaces {
-    faces: [Vec<WallFace>; 3],
-    /// Where each plane's begin, and where the last one's end.
-    first: [Vec<usize>; 3],
-}
+/// The faces beside walls, by component and plane, in the order of memory.
+pub struct WallFaces([Vec<Vec<WallFace>>; 3]);
 
-/// The depth below a wall at faces, in spacings.
+/// The depth below a wall at the faces beside it and at their neighbours, in spacings.
 pub struct Depth {
-    /// Mean over the open part of each face.
-    pub below_wall: Vector,
-    /// Sum of its second differences.
-    pub bend: Vector,
+    /// Mean over the open part of each face; not a number where nobody asked.
+    below_wall: Vector,
+    /// The same, but no less than the drag of an explicit step allows for.
+    at_least: Vector,
+}
+
+impl Depth {
+    /// Of faces that nobody has asked for.
+    pub fn new(layout: &Layout) -> Self {
+        let mut depth = Self { below_wall: layout.zero_vector(), at_least: layout.zero_vector() };
+        depth.below_wall.iter_mut().for_each(|depth| depth.fill(f32::NAN));
+        depth
+    }
+
+    fn ask(&mut self, section: Section<'_>, c: usize, padded: [usize; 3]) {
+        let [_, sy, sz] = section.layout.strides();
+        let at = padded[0] + padded[1] * sy + padded[2] * sz;
+        if self.below_wall[c][at].is_nan() {
+            self.below_wall[c][at] = section.depth(c, padded);
+            self.at_least[c][at] = self.below_wall[c][at];
+        }
+    }
 }
 
 /// Weights of the terms of the momentum equation in what a kernel has computed.
@@ -80,33 +101,82 @@ impl Weights {
 impl WallFaces {
     /// Memory that they take.
     pub fn bytes(&self) -> usize {
-        self.faces.iter().map(|faces| size_of_val(&**faces)).sum()
+        self.0.iter().flatten().map(|faces| size_of_val(&**faces)).sum()
     }
 
-    /// For the faces that are `open` in `area`; `depth` is that below a wall that
-    /// the liquid sticks to.
-    pub fn new(layout: &Layout, open: &Vector, area: &Vector, depth: Option<Depth>) -> Self {
-        let [_, _, nz] = layout.cells;
-        let (mut faces, mut first) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
+    /// None yet.
+    pub fn new(layout: &Layout) -> Self {
+        Self(std::array::from_fn(|_| vec![Vec::new(); layout.cells[2]]))
+    }
+
+    /// Brings the faces of `cells` up to date with what is `open` in `area`; `depth` is that
+    /// below a wall that the liquid sticks to.
+    pub fn refresh(
+        &mut self,
+        section: Section<'_>,
+        [open, area]: [&Vector; 2],
+        mut depth: Option<&mut Depth>,
+        cells: &CellBox,
+    ) {
+        let layout = section.layout;
+        // The drag of one more depends on what is known of these.
+        let about = grown(cells, 1, layout.cells);
+        let [x, y, z] = about.clone();
+        if let Some(depth) = &mut depth {
+            section.each_padded(cells, |_, at| {
+                depth.below_wall.iter_mut().for_each(|depth| depth[at] = f32::NAN);
+            });
+        }
         for c in 0..3 {
-            first[c] = vec![0; nz + 1];
-            for (i, j, k) in cells(layout.cells) {
+            let mut fresh = Vec::new();
+            each(&about, |[i, j, k]| {
                 let at = layout.index(i, j, k);
                 if open[c][at] > 0.0 {
-                    faces[c].extend(WallFace::new(layout, c, at, area));
+                    fresh.extend(WallFace::new(layout, c, at, area));
                 }
-                first[c][k + 1] = faces[c].len();
+            });
+            if let Some(depth) = &mut depth {
+                set_drag(section, depth, &area[c], c, &mut fresh);
             }
-            if let Some(depth) = &depth {
-                let depth = [&*depth.below_wall[c], &depth.bend[c], &area[c]];
-                set_drag(layout, depth, &mut faces[c]);
+            for k in z.clone() {
+                let faces = &mut self.0[c][k];
+                faces.retain(|face| {
+                    let [i, j, _] = layout.cell_of(face.at as usize);
+                    !(x.contains(&i) && y.contains(&j))
+                });
+                let end = layout.index(0, 0, k + 1) as u32;
+                let count = fresh.iter().take_while(|face| face.at < end).count();
+                faces.extend(fresh.drain(..count));
+                faces.sort_unstable_by_key(|face| face.at);
             }
         }
-        Self { faces, first }
     }
 
-    fn in_plane(&self, c: usize, k: usize) -> &[WallFace] {
-        &self.faces[c][self.first[c][k]..self.first[c][k + 1]]
+    /// Says which obstacle the walls of `cells` are: `owner(component, index)`.
+    pub fn own(
+        &mut self,
+        layout: &Layout,
+        [x, y, z]: &CellBox,
+        owner: impl Fn(usize, usize) -> Option<u32>,
+    ) {
+        for c in 0..3 {
+            for face in self.0[c][z.clone()].iter_mut().flatten() {
+                let [i, j, _] = layout.cell_of(face.at as usize);
+                if x.contains(&i) && y.contains(&j) {
+                    face.owner = owner(c, face.at as usize);
+                }
+            }
+        }
+    }
+
+    /// The faces of component `c`, in the order of memory.
+    pub fn of_component(&self, c: usize) -> impl Iterator<Item = &WallFace> {
+        self.0[c].iter().flatten()
+    }
+
+    /// The faces of component `c` in plane `k`.
+    pub fn in_plane(&self, c: usize, k: usize) -> &[WallFace] {
+        &self.0[c][k]
     }
 
     /// Corrects plane `k` of what was computed as if there were liquid everywhere.
@@ -153,13 +223,13 @@ impl WallFaces {
 
     /// Calls `visit(index, drag)` for the faces of component `c`.
     pub fn visit_drag(&self, c: usize, mut visit: impl FnMut(usize, f32)) {
-        self.faces[c].iter().for_each(|face| visit(face.at as usize, face.drag));
+        self.of_component(c).for_each(|face| visit(face.at as usize, face.drag));
     }
 
     /// Multiplies by the inertia, or divides by it.
     pub fn weigh(&self, vector: &mut Vector, divides: bool) {
-        for (faces, field) in self.faces.iter().zip(vector) {
-            for face in faces {
+        for (faces, field) in self.0.iter().zip(vector) {
+            for face in faces.iter().flatten() {
                 let weight = if divides { face.per_inertia } else { face.inertia };
                 field[face.at as usize] *= weight;
             }
@@ -187,14 +257,15 @@ impl WallFace {
             }
         }
         let (at, per_inertia) = (at as u32, 1.0 / inertia);
-        is_cut.then_some(Self { at, inertia, per_inertia, drag: 0.0, areas })
+        is_cut.then_some(Self { at, inertia, per_inertia, drag: 0.0, areas, owner: None })
     }
 
     fn in_own(&self, layout: &Layout, k: usize) -> usize {
         self.at as usize - (k + 1) * layout.plane
     }
 
-    fn area(&self) -> f32 {
+    /// Sum of A_g.
+    pub fn area(&self) -> f32 {
         self.areas.iter().flatten().sum()
     }
 
@@ -204,7 +275,7 @@ impl WallFace {
     }
 
     /// Sum of A_g value_g.
-    fn around(&self, layout: &Layout, values: &[f32]) -> f32 {
+    pub fn around(&self, layout: &Layout, values: &[f32]) -> f32 {
         let (at, strides) = (self.at as usize, layout.strides());
         let both = |d: usize| {
             self.areas[d][0] * values[at - strides[d]] + self.areas[d][1] * values[at + strides[d]]
@@ -246,24 +317,70 @@ impl WallFace {
     }
 }
 
-/// Sets the drag of a component's faces from depth, bend and area of all faces.
-fn set_drag(layout: &Layout, [depth, bend, area]: [&[f32]; 3], faces: &mut [WallFace]) {
+impl WallFace {
+    /// Sum of doubled fluxes of what the neighbours have more than the face, and the part of it
+    /// that keeps momentum: an exchange with those that are open. Through closed ones it leaves with
+    /// what passes them faster than the wall, of velocity `wall_m_s`.
+    pub fn advection(
+        &self,
+        stage: &Stage<'_>,
+        area: &Vector,
+        c: usize,
+        wall_m_s: Vec3,
+    ) -> [f32; 2] {
+        let (at, strides) = (self.at as usize, stage.layout.strides());
+        let (own, behind) = (stage.velocity[c], strides[c]);
+        let (mut all, mut open) = (0.0, 0.0);
+        for d in 0..3 {
+            let (u, a) = (stage.velocity[d], &area[d]);
+            let flux = |upper: usize| a[upper] * u[upper] + a[upper - behind] * u[upper - behind];
+            let with_wall = |upper: usize| wall_m_s[d] * (a[upper] + a[upper - behind]);
+            let (low, high) = (at - strides[d], at + strides[d]);
+            for (neighbour, face, sign) in [(low, at, -1.0), (high, high, 1.0)] {
+                let (more, out) = (own[neighbour] - own[at], sign * flux(face));
+                all += out * more;
+                let is_open = area[c][neighbour] > 0.0;
+                open += more * if is_open { out } else { 2.0 * (out - sign * with_wall(face)) };
+            }
+        }
+        [all, open]
+    }
+}
+
+/// Sets the drag of faces of component `c`.
+fn set_drag(
+    section: Section<'_>,
+    depth: &mut Depth,
+    area: &[f32],
+    c: usize,
+    faces: &mut [WallFace],
+) {
+    let layout = section.layout;
+    let padded = |face: &WallFace| layout.cell_of(face.at as usize).map(|cell| cell + 1);
+    for face in &*faces {
+        let own = padded(face);
+        depth.ask(section, c, own);
+        for axis in 0..3 {
+            let [mut before, mut behind] = [own; 2];
+            before[axis] -= 1;
+            behind[axis] += 1;
+            depth.ask(section, c, before);
+            depth.ask(section, c, behind);
+        }
+    }
     // A face so near to the wall that its drag would be more than a step bears is taken to be
     // as far from it as that drag says; what its neighbours see of it is adjusted with it.
-    let mut depth = depth.to_vec();
-    let least: Vec<f32> = faces
-        .iter()
-        .map(|face| face.around(layout, &depth) / (face.area() + face.most_drag()).max(1e-3))
-        .collect();
-    for (face, least) in faces.iter().zip(least) {
-        let depth = &mut depth[face.at as usize];
-        *depth = depth.max(least);
+    let (below_wall, at_least) = (&depth.below_wall[c], &mut depth.at_least[c]);
+    for face in &*faces {
+        let at = face.at as usize;
+        let least = face.around(layout, below_wall) / (face.area() + face.most_drag()).max(1e-3);
+        at_least[at] = below_wall[at].max(least);
     }
     for face in faces {
         let at = face.at as usize;
-        let (here, wall) = (depth[at], face.wall());
-        let curvature = area[at] * bend[at];
-        let rise = face.around(layout, &depth) - face.area() * here - curvature;
+        let (here, wall) = (at_least[at], face.wall());
+        let curvature = area[at] * section.bend(c, padded(face));
+        let rise = face.around(layout, at_least) - face.area() * here - curvature;
         let grip = if rise < LEAST_GRIP * wall { wall } else { rise };
         if here > 0.0 {
             face.drag = (grip / here).clamp(0.0, face.most_drag());
@@ -294,8 +411,17 @@ pub fn hold(
 }
 
 /// The same for rates of change that are kept; closed faces are left as they are.
-pub fn correct(on: Engine<'_>, stage: Stage<'_>, k: usize, weights: Weights, out: [&mut [f32]; 3]) {
+pub fn correct(
+    on: Engine<'_>,
+    stage: Stage<'_>,
+    k: usize,
+    weights: Weights,
+    mut out: [&mut [f32]; 3],
+) {
     if let Some(vessel) = &on.faces.vessel {
-        vessel.walls.correct(stage, &vessel.area, k, weights, out);
+        vessel.walls.correct(stage, &vessel.area, k, weights, out.each_mut().map(|out| &mut **out));
+        if let Some(solids) = &vessel.solids {
+            solids.correct(stage, k, weights, out);
+        }
     }
 }
