@@ -116,7 +116,7 @@ pub fn of_seed(seed: u64, drawn: Case) -> Case {
         poured_per_step: 0.1,
     }];
     let radius_m = 0.1 * case.grid.extent_m().max_element();
-    case.obstacle = Some(Obstacle { radius_m, jumps_every: 1 });
+    case.obstacle = Some(Obstacle { radius_m, jumps_every: corner.jerk_every });
     case
 }
 

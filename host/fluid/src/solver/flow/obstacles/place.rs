@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Cells about those that a wall passes whose faces it can change.
-const MARGIN: f32 = 2.0;
+const MARGIN: f32 = 1.0;
 
 /// Cells, those beyond the sides too.
 pub type Span = [Range<isize>; 3];
