@@ -83,6 +83,8 @@ pub struct Substances {
     all: Vec<Substance>,
     work: Cells,
     spare: Field,
+    /// Differs from that of any other state of any substances, so that no mixture is computed twice.
+    stamp: u64,
     /// Whether the next part sweeps in reverse.
     reverse: bool,
     /// Off only to prove that skipping changes no bits.
@@ -124,6 +126,7 @@ impl Substances {
             all: properties.iter().map(substance).collect(),
             work: Cells::new(&layout),
             spare: layout.zeros(),
+            stamp: mixture::next_stamp(),
             reverse: false,
             may_skip: true,
             layout,
@@ -178,6 +181,7 @@ impl Substances {
         }
         self.reverse ^= report.substeps % 2 == 1;
         if report.cells_computed > 0 {
+            self.stamp = mixture::next_stamp();
             fit::fit(on, layout, &mut self.all, &mut self.spare);
         }
         Ok(report)
@@ -255,6 +259,7 @@ impl Substances {
         if substance >= self.all.len() {
             return Ok(());
         }
+        self.stamp = mixture::next_stamp();
         for (i, j, k) in cells(self.layout.cells) {
             if !self.mask.is_liquid([i as isize, j as isize, k as isize]) {
                 continue;
@@ -310,6 +315,7 @@ impl Substances {
 
     /// Takes all substances away.
     pub fn clear(&mut self) {
+        self.stamp = mixture::next_stamp();
         for substance in &mut self.all {
             substance.cells.clear();
             substance.highest = 0.0;
