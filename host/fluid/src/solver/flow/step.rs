@@ -66,6 +66,9 @@ impl Flow {
         let mut after = before;
         for index in 0..plan.parts {
             after = self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+            if !after.energy_m2_s2.is_finite() {
+                after = self.recover(&mut report);
+            }
         }
         let after = self.guard(before, after, dt_s, &mut report);
         self.settle(after);
@@ -188,6 +191,23 @@ impl Flow {
             *u *= scale as f32;
         }
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.survey = None;
+        self.surveyed()
+    }
+
+    /// What light liquid is torn along at may leave f32 within a step, before the guard sees it: what
+    /// is no number is at rest then, and nothing is faster than what is kept.
+    fn recover(&mut self, report: &mut StepReport) -> Survey {
+        report.guard_actions += 1;
+        self.excess_m2_s2 = 0.0;
+        self.pressure_dt_s = 0.0;
+        self.history = None;
+        self.forget_pressure();
+        for u in self.velocity.iter_mut().flat_map(|u| u.iter_mut()) {
+            *u = if u.is_finite() { u.clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S) } else { 0.0 };
+        }
+        self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.set_drive();
         self.survey = None;
         self.surveyed()
     }
