@@ -86,6 +86,8 @@ pub struct Substances {
     spare: Field,
     /// What passes the faces, where walls cut through them.
     fluxes: Option<Vector>,
+    /// Differs from that of any other state of any substances, so that no mixture is computed twice.
+    stamp: u64,
     /// Whether the next part sweeps in reverse.
     reverse: bool,
     /// Off only to prove that skipping changes no bits.
@@ -128,6 +130,7 @@ impl Substances {
             work: Cells::new(&layout),
             spare: layout.zeros(),
             fluxes: None,
+            stamp: mixture::next_stamp(),
             reverse: false,
             may_skip: true,
             layout,
@@ -201,6 +204,7 @@ impl Substances {
         }
         self.reverse ^= report.substeps % 2 == 1;
         if report.cells_computed > 0 {
+            self.stamp = mixture::next_stamp();
             fit::fit(on, layout, &mut self.all, &mut self.spare);
         }
         self.fluxes = room;
@@ -279,6 +283,7 @@ impl Substances {
         if substance >= self.all.len() {
             return Ok(());
         }
+        self.stamp = mixture::next_stamp();
         for (i, j, k) in cells(self.layout.cells) {
             if !self.mask.is_liquid([i as isize, j as isize, k as isize]) {
                 continue;
@@ -334,6 +339,7 @@ impl Substances {
 
     /// Takes all substances away.
     pub fn clear(&mut self) {
+        self.stamp = mixture::next_stamp();
         for substance in &mut self.all {
             substance.cells.clear();
             substance.highest = 0.0;

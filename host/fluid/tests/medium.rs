@@ -362,6 +362,10 @@ fn bits_depend_on_neither_threads_nor_the_width_of_a_wide_class() {
 fn what_gravity_and_substances_make_of_a_liquid_is_undone_with_them() {
     let grid = Grid::unit_cube(8);
     let (mut flow, mut substances) = with_substance(grid, 5.0);
+    substances.set_fraction(0, |_| 1.0).expect("a fraction");
+    flow.set_mixture(&substances);
+    assert!((flow.cell_mass_kg() - 5000.0 / 512.0).abs() < 1e-6, "full of it");
+    substances.clear();
     // Nothing of it is there yet.
     flow.set_mixture(&substances);
     assert!(flow.step(0.01).expect("in range").asleep);

@@ -7,8 +7,16 @@
 //!   rule of Arrhenius 1887), the interaction parameters being 0, and the x_i volume fractions, not
 //!   mole fractions: the molar masses of what a scene calls honey are not known.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use super::{Properties, Substance, Substances};
 use crate::solver::flow::field::{Layout, cut};
+
+/// A number that was not given before.
+pub(super) fn next_stamp() -> u64 {
+    static COUNT: AtomicU64 = AtomicU64::new(1);
+    COUNT.fetch_add(1, Ordering::Relaxed)
+}
 
 impl Properties {
     fn differ_from(&self, liquid: &Self) -> bool {
@@ -30,6 +38,11 @@ impl Substances {
     /// The densities of all that may be poured.
     pub(crate) fn densities(&self) -> impl Iterator<Item = f32> {
         self.all.iter().map(|s| s.properties.density_kg_m3)
+    }
+
+    /// Differs from that of any other state of any substances.
+    pub(crate) fn stamp(&self) -> u64 {
+        self.stamp
     }
 
     /// True if they are on a grid of this layout.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Substances;
+use super::{Substances, mixture::next_stamp};
 use crate::solver::{Refused, flow::faces::cells, within};
 
 /// What is poured or drained reaches at least this many cells around.
@@ -49,6 +49,7 @@ impl Substances {
         if substance >= self.all.len() || mouth.amount <= 0.0 {
             return Ok(());
         }
+        self.stamp = next_stamp();
         for (i, j, k) in cells(self.layout.cells) {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             if share > 0.0 && self.mask.is_liquid([i as isize, j as isize, k as isize]) {
@@ -84,6 +85,7 @@ impl Substances {
         if mouth.amount <= 0.0 {
             return Ok(());
         }
+        self.stamp = next_stamp();
         for (i, j, k) in cells(self.layout.cells) {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             let at = self.layout.index(i, j, k);

@@ -117,6 +117,7 @@ pub fn of_seed(seed: u64, drawn: Case) -> Case {
     }];
     let radius_m = 0.1 * case.grid.extent_m().max_element();
     case.obstacle = Some(Obstacle { radius_m, jumps_every: corner.jerk_every });
+    case.spare_large_grids();
     case
 }
 

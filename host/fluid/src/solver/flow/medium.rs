@@ -138,6 +138,13 @@ impl Flow {
         }
     }
 
+    /// Mass of the liquid in one cell; where densities differ, of liquid that the flow counts by:
+    /// that of the setup, or the nearest to it that there is.
+    #[must_use]
+    pub fn cell_mass_kg(&self) -> f64 {
+        self.density_kg_m3 * f64::from(self.grid.cell_volume_m3())
+    }
+
     /// Changes the kinematic viscosity from the next step on, to the same everywhere.
     ///
     /// # Errors
@@ -145,6 +152,7 @@ impl Flow {
     pub fn set_viscosity_m2_s(&mut self, viscosity_m2_s: f32) -> Result<(), Refused> {
         self.viscosity_m2_s = not_negative("viscosity_m2_s", viscosity_m2_s)?;
         self.pure.viscosity_m2_s = self.viscosity_m2_s;
+        self.mixed = None;
         if let Some(mixture) = &mut self.mixture {
             mixture.is_thick_somewhere = false;
         }
@@ -171,14 +179,16 @@ impl Flow {
     /// Says that the liquid is made of what is dissolved in it: call it before each step that
     /// follows one of the substances. Densities mix by volume, dynamic viscosities as
     /// [`crate::substance::mixture`] says. As long as all substances are like the liquid, or on another
-    /// grid, nothing is changed or computed.
+    /// grid, and as long as nothing has moved them, nothing is changed or computed.
     ///
     /// Where a difference of densities is carried along, so is the energy of what moves: what an
     /// exchange of heavy for light liquid adds to it counts as made from nothing, until the next
     /// step has taken as much.
     pub fn set_mixture(&mut self, substances: &Substances) {
-        let is_one = self.mixture.is_none() && !substances.differ_from(&self.liquid());
-        if is_one || !substances.are_on(&self.layout) {
+        let is_pure = self.mixture.is_none() && self.mixed.is_none();
+        let is_one = is_pure && !substances.differ_from(&self.liquid());
+        let is_known = self.mixed == Some(substances.stamp());
+        if is_one || is_known || !substances.are_on(&self.layout) {
             return;
         }
         let cell_mass_kg = self.cell_mass_kg();
@@ -187,6 +197,7 @@ impl Flow {
         substances.mixture_density_kg_m3(&self.liquid(), &mut mixture.density);
         substances.mixture_viscosity_m2_s(&self.liquid(), &mut mixture.viscosity_m2_s);
         self.settle_medium(mixture);
+        self.mixed = Some(substances.stamp());
         self.set_drive();
         let after = self.surveyed();
         self.survey = Some(after);
@@ -241,6 +252,7 @@ impl Flow {
         let pure = self.pure.density_kg_m3 as f32;
         let reference = if may_differ { pure.max(density.least).min(density.most) } else { pure };
         self.density_kg_m3 = f64::from(reference);
+        self.mixed = None;
         let has_viscosity = viscosity.most > LEAST_VISCOSITY_M2_S;
         self.viscosity_m2_s = if has_viscosity { f64::from(viscosity.most) } else { 0.0 };
         self.survey = None;

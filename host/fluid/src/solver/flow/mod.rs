@@ -108,6 +108,8 @@ pub struct Flow {
     mixture: Option<Box<Mixture>>,
     /// Room for it, once it has been needed.
     spare_mixture: Option<Box<Mixture>>,
+    /// The stamp of the substances that it was made of.
+    mixed: Option<u64>,
     pool: Arc<Pool>,
     simd: SimdClass,
     velocity: Vector,
@@ -171,6 +173,7 @@ impl Flow {
             pure: Medium { density_kg_m3, viscosity_m2_s },
             mixture: None,
             spare_mixture: None,
+            mixed: None,
             pool: Arc::clone(&setup.pool),
             simd: setup.simd,
             velocity: vector(),
@@ -229,13 +232,6 @@ impl Flow {
     #[must_use]
     pub fn liquid_cells(&self) -> usize {
         self.faces.liquid_cells
-    }
-
-    /// Mass of the liquid in one cell; where densities differ, of liquid that the flow counts by:
-    /// that of the setup, or the nearest to it that there is.
-    #[must_use]
-    pub fn cell_mass_kg(&self) -> f64 {
-        self.density_kg_m3 * f64::from(self.grid.cell_volume_m3())
     }
 
     /// Momentum of the liquid: the sum of rho u h^3 over the open parts of all faces,

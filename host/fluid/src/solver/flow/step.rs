@@ -81,7 +81,8 @@ impl Flow {
             after = self.advance_stirred(dt_s, before, &mut report);
         } else {
             for index in 0..plan.parts {
-                after = self.advance_part(self.part(dt_s, plan, index), plan.scheme, &mut report);
+                let part = self.part(dt_s, plan, index);
+                after = self.advance_sound(part, plan.scheme, &mut report);
             }
         }
         if let Some(obstacles) = &mut self.obstacles {
@@ -109,7 +110,7 @@ impl Flow {
             let ends = [done, end].map(|share| whole.scale_at(share));
             let part = Part { dt_s: (end - done) * dt_s, force_scale: ends };
             self.pressure.share = plan.trend_share;
-            after = self.advance_part(part, plan.scheme, report);
+            after = self.advance_sound(part, plan.scheme, report);
             report.scheme = plan.scheme;
             report.substeps += 1;
             done = end;
@@ -251,6 +252,30 @@ impl Flow {
         }
         self.faces.hold(&mut self.velocity);
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.survey = None;
+        self.surveyed()
+    }
+
+    /// One part, with what is no number brought to rest.
+    fn advance_sound(&mut self, part: Part, scheme: Scheme, report: &mut StepReport) -> Survey {
+        let after = self.advance_part(part, scheme, report);
+        if after.energy_m2_s2.is_finite() { after } else { self.recover(report) }
+    }
+
+    /// What light liquid is torn along at may leave f32 within a step, before the guard sees it: what
+    /// is no number is at rest then, and nothing is faster than what is kept.
+    fn recover(&mut self, report: &mut StepReport) -> Survey {
+        report.guard_actions += 1;
+        self.excess_m2_s2 = 0.0;
+        self.pressure_dt_s = 0.0;
+        self.history = None;
+        self.forget_pressure();
+        for u in self.velocity.iter_mut().flat_map(|u| u.iter_mut()) {
+            *u = if u.is_finite() { u.clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S) } else { 0.0 };
+        }
+        self.faces.hold(&mut self.velocity);
+        self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.set_drive();
         self.survey = None;
         self.surveyed()
     }
