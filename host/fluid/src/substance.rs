@@ -176,7 +176,9 @@ impl Substances {
         let moves = |s: &Substance| {
             s.highest > 0.0 && !(flow.is_at_rest() && s.properties.diffusivity_m2_s == 0.0)
         };
-        if *layout != self.layout || !self.all.iter().any(moves) {
+        // What waits for room is given it, even if nothing moves.
+        let waits = self.all.iter().any(fit::is_owed);
+        if *layout != self.layout || !(waits || self.all.iter().any(moves)) {
             return Ok(report);
         }
         let mut room = self.fluxes.take();
@@ -203,7 +205,7 @@ impl Substances {
             substance.owed_cells += before - substance.held_cells;
         }
         self.reverse ^= report.substeps % 2 == 1;
-        if report.cells_computed > 0 {
+        if report.cells_computed > 0 || waits {
             self.stamp = mixture::next_stamp();
             fit::fit(on, layout, &mut self.all, &mut self.spare);
         }

@@ -19,7 +19,7 @@ use cauldron_protocol::{
 use glam::Vec3;
 
 use super::drag::Drag;
-use crate::{pot::Pot, solver::Solver};
+use crate::pot::Pot;
 
 /// Nodes of the window along an axis, and of the surface patch.
 const NODES: usize = 8;
@@ -166,7 +166,7 @@ impl Baker {
         let Some(flow) = pot.flow() else { return nodes };
         for n in 0..NODES * NODES * NODES {
             let at = self.node(pot, [n % NODES, n / NODES % NODES, n / (NODES * NODES)]);
-            let velocity = flow.velocity_at(at).to_array();
+            let velocity = flow.velocity_linear_at(at).to_array();
             nodes.iter_mut().zip(velocity).for_each(|(nodes, u)| nodes.push(u));
         }
         nodes

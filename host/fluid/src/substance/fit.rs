@@ -27,7 +27,7 @@ const LEAST_SHARE: f64 = 1e-6;
 
 /// Makes the fractions of `all` fit in their cells; `sum` is overwritten.
 pub fn fit(on: Engine<'_>, layout: &Layout, all: &mut [Substance], sum: &mut [f32]) {
-    let mut books_close = all.iter().all(|s| s.owed_cells.abs() <= LEAST_SHARE * s.held_cells);
+    let mut books_close = !all.iter().any(is_owed);
     for _ in 0..ROUNDS {
         if set_sum(on, layout, all, sum) <= f64::from(1.0 + TOLERANCE) && books_close {
             return;
@@ -59,6 +59,11 @@ pub fn fit(on: Engine<'_>, layout: &Layout, all: &mut [Substance], sum: &mut [f3
         substance.cells.spread(layout);
         give(on, layout, substance, sum, [0.0, share.min(1.0) as f32]);
     }
+}
+
+/// True if more of it waits, or is too much, than rounding alone may leave.
+pub fn is_owed(substance: &Substance) -> bool {
+    substance.owed_cells.abs() > LEAST_SHARE * substance.held_cells
 }
 
 /// Indices and numbers of the cells of the rows of `extent` in plane `k`.

@@ -53,6 +53,7 @@ use self::{
     pressure::{Prediction, Projection},
     stages::History,
     survey::Survey,
+    trace::Tracer,
     viscous::Viscous,
 };
 use crate::{
@@ -222,10 +223,18 @@ impl Flow {
         &self.grid
     }
 
-    /// True if a step has found that nothing moves.
+    /// Velocity at a point on straight lines between the stored ones: a fifth of the work of
+    /// [`Solver::velocity_at`](crate::solver::Solver::velocity_at), and within their range.
+    #[must_use]
+    pub fn velocity_linear_at(&self, point_in_world_m: Vec3) -> Vec3 {
+        let tracer = Tracer::new(&self.layout, &self.ghosts);
+        tracer.linear_velocity_at(components(&self.velocity), self.in_cells(point_in_world_m))
+    }
+
+    /// True if a step has found that nothing moves, nor does an obstacle.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        self.survey.is_some_and(|survey| survey.speed_m_s == 0.0)
+        self.survey.is_some_and(|survey| survey.speed_m_s == 0.0) && !self.is_stirred()
     }
 
     /// Number of liquid cells.

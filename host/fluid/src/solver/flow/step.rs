@@ -174,7 +174,7 @@ impl Flow {
     }
 
     /// True if an obstacle moves.
-    fn is_stirred(&self) -> bool {
+    pub(super) fn is_stirred(&self) -> bool {
         self.faces.solids().is_some_and(|solids| solids.is_moving)
     }
 

@@ -45,7 +45,7 @@ enum Method {
     /// One system for each component that has room to change.
     Direct(Vec<(usize, Modal)>),
     /// Search direction, and the matrix times it.
-    Gradients([Vector; 2]),
+    Gradients(Box<[Vector; 2]>),
 }
 
 impl Viscous {
@@ -54,7 +54,7 @@ impl Viscous {
     pub fn new(layout: &Layout, faces: &Faces, ghosts: &Ghosts, room: &mut Room) -> Self {
         let vector = || [layout.zeros(), layout.zeros(), layout.zeros()];
         let method = if !faces.is_box || ghosts.is_any_free() {
-            Method::Gradients([vector(), vector()])
+            Method::Gradients(Box::new([vector(), vector()]))
         } else {
             let component = |c| {
                 let (unknowns, ends) = ghosts.unknown_changes(c)?;
