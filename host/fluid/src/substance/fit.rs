@@ -135,6 +135,7 @@ fn take_excess(on: Engine<'_>, layout: &Layout, substance: &mut Substance, sum: 
     let outs = substance.cells.slabs(layout);
     let [taken, weight, ..] = on.pool.fold(None, outs, [layout.plane, STORED], body, add);
     substance.owed_cells += taken;
+    substance.held_cells -= taken;
     weight
 }
 
@@ -177,7 +178,9 @@ fn take_back(on: Engine<'_>, layout: &Layout, substance: &mut Substance) {
         given
     };
     let outs = substance.cells.slabs(layout);
-    substance.owed_cells -= on.pool.planes_sum(outs, [layout.plane, STORED], body);
+    let given = on.pool.planes_sum(outs, [layout.plane, STORED], body);
+    substance.owed_cells -= given;
+    substance.held_cells += given;
 }
 
 /// Gives of what is owed room times (`shares[0]` times the fraction plus `shares[1]`).
@@ -200,5 +203,7 @@ fn give(on: Engine<'_>, layout: &Layout, substance: &mut Substance, sum: &[f32],
     // What is given may come to rest above what was ever brought in.
     substance.highest = 1.0;
     let outs = substance.cells.slabs(layout);
-    substance.owed_cells -= on.pool.planes_sum(outs, [layout.plane, STORED], body);
+    let given = on.pool.planes_sum(outs, [layout.plane, STORED], body);
+    substance.owed_cells -= given;
+    substance.held_cells += given;
 }
