@@ -53,6 +53,8 @@ pub struct Obstacles {
     /// Velocities at faces beside bodies, before and after an implicit part.
     pub beside: [[Vec<f32>; 3]; 2],
     next_id: u32,
+    /// What pressure met so far in what bodies displaced.
+    pub displacing_m2_s2: f64,
 }
 
 impl Obstacles {
@@ -366,6 +368,7 @@ impl Flow {
             balance,
             beside: Default::default(),
             next_id: 0,
+            displacing_m2_s2: 0.0,
         }
     }
 

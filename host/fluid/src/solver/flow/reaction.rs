@@ -12,12 +12,15 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::solver::flow::{
-    faces::Faces,
-    field::{Layout, Vector},
-    momentum::Stage,
-    obstacles::Obstacles,
-    walls::{WallFace, Weights},
+use crate::solver::{
+    Motion,
+    flow::{
+        faces::Faces,
+        field::{Layout, Vector},
+        momentum::Stage,
+        obstacles::{Body, Obstacles},
+        walls::{WallFace, Weights},
+    },
 };
 
 /// A force, or an impulse, and its moment about the centre of a body.
@@ -171,6 +174,7 @@ impl Obstacles {
     /// Counts a pressure, per density and spacing, times `share`.
     pub fn press(&mut self, layout: &Layout, faces: &Faces, pressure: &[f32], share: f64) {
         let Some(solids) = faces.solids() else { return };
+        self.displacing_m2_s2 -= share * solids.displaced_by(pressure);
         for c in 0..3 {
             for face in solids.covered(c) {
                 let at = face.at as usize;
@@ -186,6 +190,20 @@ impl Obstacles {
                 self.bodies[index].account.sum.add(given, of_axis(c, arm.as_dvec3()));
             }
         }
+    }
+
+    /// What bodies did to the liquid in the last step, whose sums are of this mass: by the force on
+    /// them, or, if that is more, by what pressure met in all that they displaced. The first knows of
+    /// friction, the second also of what liquid that is shut in gave up.
+    pub fn work_j(&mut self, mass_kg: f64, dt_s: f64) -> f64 {
+        let power_w = |body: &Body| {
+            let (Motion { velocity_m_s, angular_velocity_rad_s, .. }, mean) =
+                (body.obstacle.motion, body.account.mean);
+            mean.force.dot(velocity_m_s.as_dvec3())
+                + mean.torque.dot(angular_velocity_rad_s.as_dvec3())
+        };
+        let by_force_j = -dt_s * self.bodies.iter().map(power_w).sum::<f64>();
+        by_force_j.max(mass_kg * std::mem::take(&mut self.displacing_m2_s2))
     }
 
     /// Ends a step: `per_s` turns sums into forces.

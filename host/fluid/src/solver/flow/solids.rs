@@ -126,6 +126,23 @@ impl Solids {
         }
     }
 
+    /// How fast walls displace liquid, in units of face area.
+    pub fn displaced_m_s(&self) -> f64 {
+        if !self.is_moving {
+            return 0.0;
+        }
+        self.swell.iter().map(|swell| f64::from(swell.abs())).sum()
+    }
+
+    /// Sum over all cells of what their walls displace, times `weight`.
+    pub fn displaced_by(&self, weight: &[f32]) -> f64 {
+        if !self.is_moving {
+            return 0.0;
+        }
+        let pairs = self.swell.iter().zip(weight);
+        pairs.map(|(swell, weight)| f64::from(*swell) * f64::from(*weight)).sum()
+    }
+
     /// Lets no pocket of liquid be asked for more than it has.
     pub fn balance(
         &mut self,

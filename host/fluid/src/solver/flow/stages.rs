@@ -185,8 +185,9 @@ impl Flow {
             thick.prepare(on, velocity, dt_s, out);
             return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
         }
-        ghosts.fill(out, Fill::Difference);
         let Some(viscous) = &mut self.viscous else { return 0 };
+        viscous.forget_sides(faces, ghosts, velocity, out, number as f32);
+        ghosts.fill(out, Fill::Difference);
         let (s, room) = (theta * number, self.projection.room());
         let iterations = viscous.solve(on, ghosts, room, s as f32, out, velocity);
         if let Some(obstacles) = &mut self.obstacles {

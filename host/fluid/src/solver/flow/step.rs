@@ -10,6 +10,7 @@ use crate::solver::{
         mixture::working,
         pressure::{Projected, Telling},
         schedule::{Plan, plan, plan_stress},
+        solids::Solids,
         survey::Survey,
         within,
     },
@@ -25,6 +26,9 @@ const GUARD_SLACK: f64 = 1e-3;
 /// Part by which the work on a mixture may be more: the books know it to the first order in the
 /// step, in which density and velocity are carried one after the other.
 const WORK_SLACK: f64 = 0.05;
+/// Part by which the work of obstacles may be more: it is known by the mean force on them.
+const STIR_SLACK: f64 = 0.1;
+
 /// A step that leaves less than this part of the energy ends the flow whose pressure is known.
 const LITTLE_LEFT: f64 = 0.1;
 
@@ -85,14 +89,24 @@ impl Flow {
                 after = self.advance_sound(part, plan.scheme, &mut report);
             }
         }
-        if let Some(obstacles) = &mut self.obstacles {
-            obstacles.close(self.density_kg_m3 * f64::from(self.grid.cell_volume_m3()) / dt_s);
-        }
-        let after = self.guard(before, after, dt_s, &mut report);
+        let stirred_m2_s2 = self.close_obstacles(dt_s);
+        let after = self.guard([before, after], stirred_m2_s2, dt_s, &mut report);
         self.settle(before, after);
         report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
         report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
         Ok(report)
+    }
+
+    /// Ends the accounts of obstacles. Returns the most that they can have given: their work, and
+    /// the energy of what they displaced at their speed.
+    fn close_obstacles(&mut self, dt_s: f64) -> f64 {
+        let cell_kg = self.cell_mass_kg();
+        let Some(obstacles) = &mut self.obstacles else { return 0.0 };
+        obstacles.close(cell_kg / dt_s);
+        let displaced = self.faces.solids().map_or(0.0, Solids::displaced_m_s);
+        let carried_m3_s3 = 0.5 * obstacles.speed_m_s().powi(2) * displaced;
+        let work_m2_s2 = obstacles.work_j(cell_kg, dt_s).max(0.0) / cell_kg;
+        (1.0 + STIR_SLACK) * work_m2_s2 + carried_m3_s3 * dt_s / f64::from(self.grid.spacing_m)
     }
 
     /// How fast liquid gives way to obstacles is known only once it did: each part is planned anew.
@@ -208,13 +222,14 @@ impl Flow {
         projection.project(on, ghosts, velocity, Telling::All(force), density)
     }
 
-    /// Energy may not exceed what it was plus what forces did, nor speed what f32 can square.
-    /// What it does exceed it by is added up until it is worth an action. What moving sides,
-    /// obstacles and openings give is not known here: there only the speed is bounded.
+    /// Energy may not exceed what it was plus what forces and obstacles did (`stirred_m2_s2`), nor
+    /// speed what f32 can square. What it does exceed it by is added up until it is worth an action.
+    /// Through openings none comes in: beyond them all is at rest. What moving sides give is not
+    /// known here: there only the speed is bounded.
     fn guard(
         &mut self,
-        before: Survey,
-        after: Survey,
+        [before, after]: [Survey; 2],
+        stirred_m2_s2: f64,
         dt_s: f64,
         report: &mut StepReport,
     ) -> Survey {
@@ -229,9 +244,9 @@ impl Flow {
             Some(_) => mean_m2_s3.max(after.power_m2_s3) + WORK_SLACK * mean_m2_s3.abs(),
             None => mean_m2_s3,
         };
-        let work = push_s * power_m2_s3;
+        let work = push_s * power_m2_s3 + stirred_m2_s2;
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
-        let is_driven = self.is_driven || self.is_stirred();
+        let is_driven = self.side_speed_m_s > 0.0;
         self.excess_m2_s2 = if is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
         let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());
         let excess = if is_tolerated { 0.0 } else { self.excess_m2_s2 };

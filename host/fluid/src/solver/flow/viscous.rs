@@ -12,12 +12,17 @@
 //! matrix is symmetric and positive definite for any walls, so elsewhere conjugate gradients
 //! (Hestenes, Stiefel 1952) solve it, for the three components at once.
 
-use crate::solver::flow::{
-    engine::Engine,
-    faces::{Faces, VesselFaces},
-    field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut, vector_bytes},
-    ghosts::{Fill, Ghosts},
-    poisson::{Modal, Room},
+use crate::{
+    solver::flow::{
+        engine::Engine,
+        faces::{Faces, VesselFaces},
+        field::{
+            FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut, vector_bytes,
+        },
+        ghosts::{Fill, Ghosts},
+        poisson::{Modal, Room},
+    },
+    vessel::cut::each,
 };
 
 /// The residual falls to this part of the right side, which is a change ...
@@ -95,6 +100,34 @@ impl Viscous {
             if let Some(solids) = &vessel.solids {
                 solids.pull(rhs, a);
             }
+        }
+    }
+
+    /// Takes from a change what friction with the faces on sides that let out what comes has made of
+    /// it, a = nu dt / h^2: the matrix knows of none, as such a face changes with the next one. What
+    /// one side has and the other lacks, a thick liquid would be driven by.
+    pub fn forget_sides(
+        &self,
+        faces: &Faces,
+        ghosts: &Ghosts,
+        velocity: &Vector,
+        change: &mut Vector,
+        a: f32,
+    ) {
+        let layout = &self.layout;
+        let free = |axis: usize| [0, 1].into_iter().filter(move |end| ghosts.is_free(axis, *end));
+        for (c, end) in (0..3).flat_map(|c| free(c).map(move |end| (c, end))) {
+            let mut cells = layout.cells.map(|n| 0..n);
+            cells[c] = [0..1, layout.cells[c]..layout.cells[c] + 1][end].clone();
+            each(&cells, |[i, j, k]| {
+                let side = layout.index(i, j, k);
+                let before = [side + layout.strides()[c], side - layout.strides()[c]][end];
+                let share = faces.vessel.as_ref().map_or(1.0, |vessel| {
+                    let share = vessel.walls.share_towards(layout, c, before, end);
+                    share.unwrap_or(faces.open[c][before])
+                });
+                change[c][before] -= a * share * (velocity[c][side] - velocity[c][before]);
+            });
         }
     }
 
