@@ -2,6 +2,7 @@
 //!
 //! Pure simulation in SI units: no wire, no picture, no clock.
 
+pub mod air;
 pub mod bench;
 pub mod force;
 pub mod grid;
@@ -20,5 +21,5 @@ pub mod vessel;
 
 pub use grid::Grid;
 pub use pot::Pot;
-pub use snapshot::{Snapshot, SubstanceView, SurfaceView};
+pub use snapshot::{SmokeView, Snapshot, SubstanceView, SurfaceView};
 pub use vessel::Vessel;

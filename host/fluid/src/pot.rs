@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use crate::{
     Snapshot, SubstanceView,
+    air::Air,
     force::{Drag, Exchange},
     grid::Grid,
     plan::Item,
     pool::Pool,
-    scenes::{Scene, Start, Substance},
+    scenes::{GRAVITY_M_S2, Scene, Start, Substance},
     simd::SimdClass,
     solver::{Setup, SetupError, Sides, Solver, flow::Flow},
     substance::{Properties, Substances},
@@ -48,6 +49,7 @@ pub struct Pot {
     flow: Option<Flow>,
     substances: Option<Substances>,
     surface: Option<SpringSheet>,
+    air: Option<Air>,
     drag: Drag,
     probe_radius_m: f32,
     probe_in_world_m: Vec3,
@@ -62,6 +64,11 @@ impl Pot {
     /// # Errors
     /// [`SetupError`] if the scene's liquid makes no sense; one that has passed its check does.
     pub fn new(scene: &Scene, pool: Arc<Pool>, simd: SimdClass) -> Result<Self, SetupError> {
+        let gravity_m_s2 = scene.liquid.map_or(GRAVITY_M_S2, |liquid| liquid.gravity_m_s2);
+        let air = scene.gas.as_ref().map(|gas| {
+            Air::new(gas, (&scene.grid, &scene.vessel), gravity_m_s2, pool.clone(), simd)
+        });
+        let air = air.transpose()?;
         let setup = scene.liquid.map(|liquid| Setup {
             density_kg_m3: liquid.density_kg_m3,
             viscosity_m2_s: liquid.viscosity_m2_s,
@@ -95,6 +102,7 @@ impl Pot {
             substances,
             flow,
             surface: scene.surface.map(|s| SpringSheet::new(s, &scene.grid, &scene.vessel)),
+            air,
             drag,
             probe_radius_m: scene.probe.radius_m,
             probe_in_world_m: scene.story.start_m,
@@ -128,6 +136,12 @@ impl Pot {
         self.substances.as_ref()
     }
 
+    /// The gas above the liquid, if the scene has one.
+    #[must_use]
+    pub fn air(&self) -> Option<&Air> {
+        self.air.as_ref()
+    }
+
     /// What is computed in each step, and what it takes.
     #[must_use]
     pub fn plan(&self) -> Vec<Item> {
@@ -135,7 +149,8 @@ impl Pot {
         let substances = self.substances.as_ref().map(Substances::plan).unwrap_or_default();
         let sheet = self.surface.as_ref().map(|sheet| ("springs and masses", sheet.bytes()));
         let surface = Item::if_any("surface", sheet);
-        liquid.into_iter().chain(substances).chain([surface]).collect()
+        let air = self.air.as_ref().map_or_else(|| vec![Item::off("gas")], Air::plan);
+        liquid.into_iter().chain(substances).chain([surface]).chain(air).collect()
     }
 
     /// Drag of the probe in the liquid.
@@ -209,7 +224,7 @@ impl Pot {
         }
     }
 
-    /// One step: the liquid, what it carries, its surface.
+    /// One step: the liquid, what it carries, its surface, and what rises from that.
     pub fn step(&mut self, dt_s: f32) {
         self.totals.steps += 1;
         self.time_s += f64::from(dt_s);
@@ -240,6 +255,14 @@ impl Pot {
         if let Some(surface) = &mut self.surface {
             surface.step(dt_s);
         }
+        if let Some(air) = &mut self.air {
+            let surface = self.surface.as_ref();
+            let risen_m = |at| surface.map_or(0.0, |surface| surface.at(at).0);
+            match air.step(f64::from(dt_s), risen_m) {
+                Ok(report) => self.totals.guard_actions += u64::from(report.guard_actions),
+                Err(_) => self.totals.refused += 1,
+            }
+        }
     }
 
     fn fraction(&self, place: usize) -> Vec<f32> {
@@ -264,6 +287,7 @@ impl Pot {
             liquid_colour: self.liquid_colour,
             substances: self.palette.iter().enumerate().map(view).collect(),
             surface: self.surface.as_ref().map(SpringSheet::view),
+            smoke: self.air.as_ref().map(Air::view),
         }
     }
 }

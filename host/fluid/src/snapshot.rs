@@ -19,6 +19,19 @@ pub struct Snapshot {
     pub substances: Vec<SubstanceView>,
     /// The liquid's surface, where the scene has one.
     pub surface: Option<SurfaceView>,
+    /// Smoke in the gas above the liquid, where the scene has one.
+    pub smoke: Option<SmokeView>,
+}
+
+/// The smoke as it is drawn.
+#[derive(Clone, Debug)]
+pub struct SmokeView {
+    /// The box that `fraction` is sampled on.
+    pub grid: Grid,
+    /// Linear RGB, 0 to 1.
+    pub colour: Vec3,
+    /// Volume fraction in each cell, 0 to 1, laid out as [`Grid::cell`] says.
+    pub fraction: Vec<f32>,
 }
 
 /// One substance as it is drawn.

@@ -16,6 +16,7 @@ mod fit;
 pub mod mixture;
 mod remap;
 mod schedule;
+mod sides;
 mod source;
 mod sweep;
 mod transport;
@@ -27,6 +28,7 @@ use self::{
     cells::Cells,
     remap::Remap,
     schedule::{carrying, spreading},
+    sides::Sides,
     transport::{Part, largest_loss_m_s},
 };
 
@@ -186,6 +188,7 @@ impl Substances {
         let (on, spacing_m) = (flow.carrier(), f64::from(self.grid.spacing_m));
         let loss = largest_loss_m_s(on, layout, velocity) * dt_s / spacing_m;
         (report.carrying, report.substeps) = carrying(loss);
+        let sides = flow.periodic_if_open();
         for place in 0..self.all.len() {
             let Substance { highest, properties, .. } = &self.all[place];
             if *highest == 0.0 || (loss == 0.0 && properties.diffusivity_m2_s == 0.0) {
@@ -197,17 +200,19 @@ impl Substances {
                 continue;
             }
             let before = fit::content(on, layout, &self.all[place].cells);
+            let left;
             // In alternating order, as the sweeps.
             if self.reverse {
                 self.diffuse(flow.engine(), place, dt_s, &mut report);
-                self.carry(on, place, velocity, dt_s, &mut report);
+                left = self.carry((on, sides), place, velocity, dt_s, &mut report);
             } else {
-                self.carry(on, place, velocity, dt_s, &mut report);
+                left = self.carry((on, sides), place, velocity, dt_s, &mut report);
                 self.diffuse(flow.engine(), place, dt_s, &mut report);
             }
             let substance = &mut self.all[place];
             substance.held_cells = fit::content(on, layout, &substance.cells);
-            substance.owed_cells += before - substance.held_cells;
+            substance.drained_cells += left;
+            substance.owed_cells += before - left - substance.held_cells;
         }
         self.reverse ^= report.substeps % 2 == 1;
         if report.cells_computed > 0 || waits {
@@ -218,20 +223,27 @@ impl Substances {
         Ok(report)
     }
 
+    /// Carries one substance; returns what has left through the sides, in cells.
     fn carry(
         &mut self,
-        on: Engine<'_>,
+        (on, is_periodic): (Engine<'_>, Option<[bool; 3]>),
         place: usize,
         velocity: [&[f32]; 3],
         dt_s: f64,
         report: &mut TransportReport,
-    ) {
+    ) -> f64 {
         let Self { layout, all, work, spare, .. } = self;
         let substance = &mut all[place];
         let parts = report.substeps;
         let dt_per_spacing_s_m = dt_s / f64::from(self.grid.spacing_m) / f64::from(parts.max(1));
+        let sides = is_periodic.map(|is_periodic| {
+            let dt_per_spacing_s_m = dt_per_spacing_s_m as f32;
+            Sides { layout, velocity, dt_per_spacing_s_m, is_periodic }
+        });
+        let mut left = 0.0;
         for part in 0..parts {
             let reverse = self.reverse ^ (part % 2 == 1);
+            left += sides.map_or(0.0, |sides| sides.let_out(&mut substance.cells));
             if report.carrying == Carrying::Remapped {
                 let remap = Remap { layout, velocity, dt_per_spacing_s_m };
                 let fraction = &mut substance.cells.fraction;
@@ -240,6 +252,7 @@ impl Substances {
                 substance.cells.spread(layout);
                 substance.highest = 1.0;
                 report.cells_computed += self.mask.liquid_cells() as u64;
+                sides.iter().for_each(|sides| sides.bring_round(&mut substance.cells));
                 continue;
             }
             if !self.may_skip {
@@ -253,7 +266,9 @@ impl Substances {
                 may_skip: self.may_skip,
             };
             report.cells_computed += part.carry(on, &mut substance.cells, work, reverse) as u64;
+            sides.iter().for_each(|sides| sides.bring_round(&mut substance.cells));
         }
+        left
     }
 
     fn diffuse(&mut self, on: Engine<'_>, place: usize, dt_s: f64, report: &mut TransportReport) {

@@ -44,6 +44,9 @@ const CLOSENESS: f32 = 1.08;
 /// Room above the vessel for the handle, as a part of the sphere's radius.
 const HEADROOM: f32 = 0.22;
 
+/// The same where there is smoke to be seen, and how much further away one stands for it.
+const SMOKE_ROOM: [f32; 2] = [0.62, 1.3];
+
 impl Camera {
     /// The default view: down into the whole vessel, from the front and a little aside.
     #[must_use]
@@ -52,12 +55,14 @@ impl Camera {
         let (down_sin, down_cos) = DOWN_RAD.sin_cos();
         let (aside_sin, aside_cos) = ASIDE_RAD.sin_cos();
         let towards_eye = Vec3::new(down_cos * aside_sin, down_sin, down_cos * aside_cos);
-        let distance_m = CLOSENESS * radius_m / (0.5 * FOV_RAD).sin();
+        let [headroom, further] =
+            if snapshot.smoke.is_some() { SMOKE_ROOM } else { [HEADROOM, 1.0] };
+        let distance_m = further * CLOSENESS * radius_m / (0.5 * FOV_RAD).sin();
         Self {
             eye_in_world_m: middle_in_world_m
                 + distance_m * towards_eye
-                + Vec3::Y * HEADROOM * radius_m,
-            target_in_world_m: middle_in_world_m + Vec3::Y * HEADROOM * radius_m,
+                + Vec3::Y * headroom * radius_m,
+            target_in_world_m: middle_in_world_m + Vec3::Y * headroom * radius_m,
             fov_rad: FOV_RAD,
         }
     }

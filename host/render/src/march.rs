@@ -50,6 +50,7 @@ struct Scene {
     rod: Option<Rod>,
     surface: Surface,
     volume: Volume,
+    smoke: Option<Volume>,
     /// False for a scene with neither liquid nor surface, where there is nothing to look through.
     is_wet: bool,
 }
@@ -75,6 +76,7 @@ impl Scene {
             lens: view.camera.lens(width, height),
             rod: view.handle.as_ref().and_then(Rod::new),
             surface: Surface::new(snapshot),
+            smoke: snapshot.smoke.as_ref().map(Volume::of_smoke),
             is_wet: snapshot.surface.is_some() || !volume.is_empty(),
             walls,
             volume,
@@ -86,6 +88,7 @@ impl Scene {
         let ray = self.lens.ray(x_px, y_px);
         let end = self.end(&ray);
         let mut film = Film::CLEAR;
+        self.gather_smoke(&ray, end.along_m, &mut film);
         let seen_through = self.gather(&ray, end.along_m, &mut film);
         let hides_end = end.layer != Layer::Handle || film.transmittance < HANDLE_SEEN;
         let layer = seen_through.filter(|_| hides_end).unwrap_or(end.layer);
@@ -110,6 +113,15 @@ impl Scene {
         end
     }
 
+    /// Gathers smoke up to `end_m` or the liquid's surface. Who looks is above that: smoke is seen
+    /// before anything else.
+    fn gather_smoke(&self, ray: &Ray, end_m: f32, film: &mut Film) {
+        let Some(smoke) = &self.smoke else { return };
+        let Some([from_m, to_m]) = smoke.span_m(ray, [0.0, end_m]) else { return };
+        let crossing_m = self.surface.crossing_m(ray, [from_m, to_m]);
+        smoke.march(ray, [from_m, crossing_m.unwrap_or(to_m)], None, film);
+    }
+
     /// Gathers glass, surface and liquid up to `end_m`; says what the liquid was seen through.
     fn gather(&self, ray: &Ray, end_m: f32, film: &mut Film) -> Option<Layer> {
         let inside_m = self.walls.span_inside_m(ray)?;
@@ -124,7 +136,7 @@ impl Scene {
             let crossing_m = self.surface.crossing_m(ray, [from_m, to_m]);
             if is_under {
                 let span_m = [from_m, crossing_m.unwrap_or(to_m)];
-                self.volume.march(ray, span_m, &self.surface, film);
+                self.volume.march(ray, span_m, Some(&self.surface), film);
             }
             let Some(crossing_m) = crossing_m.filter(|_| !film.is_opaque()) else { break };
             let point_in_world_m = ray.at(crossing_m);

@@ -1,6 +1,7 @@
-//! The liquid and what was poured into it: one field of light and extinction, marched by rays.
+//! The liquid and what was poured into it, or the smoke above it: a field of light and extinction,
+//! marched by rays.
 
-use cauldron_fluid::{Grid, Snapshot};
+use cauldron_fluid::{Grid, SmokeView, Snapshot};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
 use crate::{
@@ -13,6 +14,8 @@ use crate::{
 
 /// Extinction of a pure substance: 8 mm hide 60 % of what lies behind.
 const POURED_PER_M: f32 = 120.0;
+/// Extinction of pure smoke: thick where it comes out, and still seen where it has thinned.
+const SMOKE_PER_M: f32 = 30.0;
 /// Extinction of the clear liquid: a pot 0.25 m wide hides 40 % of its far wall.
 const CLEAR_PER_M: f32 = 2.0;
 /// Part of the substances' extinction that dims the lamp for what lies below them.
@@ -50,12 +53,28 @@ impl Volume {
         };
         let has_place = grid.spacing_m > 0.0 && grid.extent_m().is_finite();
         let mut mixture = if has_place { mix(snapshot) } else { Vec::new() };
-        let poured_in_world_m = poured_box(&grid, &mixture);
+        if poured_box(&grid, &mixture).is_some() {
+            spread_into_wall(&grid, &mut mixture, depth_inside_m);
+        }
+        Self::of_mixture(grid, &mixture, clear, POURED_PER_M)
+    }
+
+    /// The field of smoke. One that does not fit its grid, or has no colour, counts as none.
+    pub(crate) fn of_smoke(smoke: &SmokeView) -> Self {
+        let (grid, colour) = (smoke.grid, smoke.colour.extend(1.0));
+        let has_place = grid.spacing_m > 0.0 && grid.extent_m().is_finite();
+        let is_whole = has_place && smoke.fraction.len() == grid.len() && colour.is_finite();
+        let fraction: &[f32] = if is_whole { &smoke.fraction } else { &[] };
+        let mixture: Vec<Vec4> = fraction.iter().map(|part| unit(*part) * colour).collect();
+        Self::of_mixture(grid, &mixture, Vec4::ZERO, SMOKE_PER_M)
+    }
+
+    fn of_mixture(grid: Grid, mixture: &[Vec4], clear: Vec4, poured_per_m: f32) -> Self {
+        let poured_in_world_m = poured_box(&grid, mixture);
         if poured_in_world_m.is_none() {
             return Self { grid, sheets: Vec::new(), step_m: 0.0, clear, poured_in_world_m };
         }
-        spread_into_wall(&grid, &mut mixture, depth_inside_m);
-        let mut sheets = lit_from_above(&grid, &mixture, clear);
+        let mut sheets = lit_from_above(&grid, mixture, clear, poured_per_m);
         let thickest_per_m = sheets.iter().map(|medium| medium.w).fold(0.0, f32::max);
         let is_thin = thickest_per_m * grid.spacing_m < THIN;
         let step_m = grid.spacing_m * if is_thin { LONG_STEP_CELLS } else { STEP_CELLS };
@@ -68,8 +87,15 @@ impl Volume {
         self.clear == Vec4::ZERO && self.poured_in_world_m.is_none()
     }
 
-    /// Gathers what `ray` sees of the liquid within `span_m`, which lies under the surface.
-    pub(crate) fn march(&self, ray: &Ray, span_m: [f32; 2], surface: &Surface, film: &mut Film) {
+    /// Gathers what `ray` sees of it within `span_m`; `surface` is what liquid lies under and is
+    /// moved by.
+    pub(crate) fn march(
+        &self,
+        ray: &Ray,
+        span_m: [f32; 2],
+        surface: Option<&Surface>,
+        film: &mut Film,
+    ) {
         let Some(poured_m) = self.poured_span_m(ray, span_m, surface) else {
             return film.medium(self.clear, span_m[1] - span_m[0]);
         };
@@ -79,7 +105,9 @@ impl Volume {
             // The last step may be shorter than the others.
             let part = (steps - step as f32).min(1.0);
             let along_m = poured_m[0] + (step as f32 + 0.5 * part) * self.step_m;
-            let sheet = part * self.sample(surface.at_rest(ray.at(along_m)));
+            let point_in_world_m = ray.at(along_m);
+            let at_rest = surface.map_or(point_in_world_m, |s| s.at_rest(point_in_world_m));
+            let sheet = part * self.sample(at_rest);
             film.sheet(sheet.xyz(), sheet.w);
             if film.is_opaque() {
                 return;
@@ -88,10 +116,20 @@ impl Volume {
         film.medium(self.clear, span_m[1] - poured_m[1]);
     }
 
+    /// The part of the span where there is anything poured, if nothing moves it.
+    pub(crate) fn span_m(&self, ray: &Ray, span_m: [f32; 2]) -> Option<[f32; 2]> {
+        self.poured_span_m(ray, span_m, None)
+    }
+
     /// The part of the span where there may be more than clear liquid.
-    fn poured_span_m(&self, ray: &Ray, span_m: [f32; 2], surface: &Surface) -> Option<[f32; 2]> {
+    fn poured_span_m(
+        &self,
+        ray: &Ray,
+        span_m: [f32; 2],
+        surface: Option<&Surface>,
+    ) -> Option<[f32; 2]> {
         let [low_m, high_m] = self.poured_in_world_m?;
-        let moved_m = Vec3::Y * surface.greatest_move_m();
+        let moved_m = Vec3::Y * surface.map_or(0.0, Surface::greatest_move_m);
         solid::common(span_m, solid::span_in_box_m(ray, low_m - moved_m, high_m + moved_m)?)
     }
 
@@ -177,7 +215,7 @@ fn mean_around(grid: &Grid, mixture: &[Vec4], in_hollow: &[bool], at: [usize; 3]
 }
 
 /// Light and extinction of each cell of a mixture in clear liquid, lit down its column.
-fn lit_from_above(grid: &Grid, mixture: &[Vec4], clear: Vec4) -> Vec<Vec4> {
+fn lit_from_above(grid: &Grid, mixture: &[Vec4], clear: Vec4, poured_per_m: f32) -> Vec<Vec4> {
     let mut medium = vec![Vec4::ZERO; mixture.len()];
     let [nx, ny, nz] = grid.cells;
     for (i, k) in (0..nz).flat_map(|k| (0..nx).map(move |i| (i, k))) {
@@ -186,7 +224,7 @@ fn lit_from_above(grid: &Grid, mixture: &[Vec4], clear: Vec4) -> Vec<Vec4> {
             let sum = mixture[cell];
             // More than a full cell is a fault of the solver's, not more colour.
             let full = sum.w.max(1.0);
-            let poured = POURED_PER_M * sum / full;
+            let poured = poured_per_m * sum / full;
             let light = AMBIENT + (1.0 - AMBIENT) * (-SHADOW * above).exp();
             above += poured.w * grid.spacing_m;
             medium[cell] = clear * (1.0 - sum.w / full) + (light * poured.xyz()).extend(poured.w);
@@ -226,7 +264,7 @@ mod tests {
         let clear = Vec4::new(0.1, 0.2, 0.3, 1.0);
         let full = Vec4::new(0.9, 0.0, 0.0, 1.0);
         let column = [full, Vec4::ZERO, full, Vec4::ZERO, full, Vec4::ZERO];
-        let medium = lit_from_above(&GRID, &column, clear);
+        let medium = lit_from_above(&GRID, &column, clear, POURED_PER_M);
         assert!(medium[4].x > medium[2].x && medium[2].x > medium[0].x);
         assert_eq!(medium[5], clear);
     }

@@ -40,6 +40,7 @@ fn make() -> Scene {
             pigment("green", Vec3::new(0.02, 0.70, 0.05), Vec3::new(-0.008, -0.05, 0.052)),
         ],
         surface: Some(SKIN),
+        gas: None,
         start: Start::Rest,
         probe: Probe { radius_m: 0.026 },
         feel: Feel {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::Vec3;
 
-use super::{Act, Scene};
+use super::{Act, Gas, Scene};
 use crate::{surface::SurfaceParams, vessel::Vessel};
 
 /// The range of a number, both ends in it.
@@ -66,6 +66,7 @@ impl Scene {
         self.check_space()?;
         self.check_matter()?;
         self.surface.as_ref().map_or(Ok(()), |s| check_surface(s, self))?;
+        self.gas.as_ref().map_or(Ok(()), |gas| self.check_gas(gas))?;
         self.check_feel()?;
         self.check_story()
     }
@@ -142,6 +143,13 @@ impl Scene {
             number("substance.pour_per_s", substance.pour_per_s, Bound::new(0.0, 1e3))?;
         }
         Ok(())
+    }
+
+    fn check_gas(&self, gas: &Gas) -> Result<(), Wrong> {
+        gas.check()?;
+        let all = gas.grid_over(&self.grid).cells.iter().product::<usize>();
+        let must = format!("at most {MOST_CELLS} cells in all: as high as these are few");
+        if all > MOST_CELLS { Err(wrong("gas.height_m", &gas.height_m, must)) } else { Ok(()) }
     }
 
     fn check_feel(&self) -> Result<(), Wrong> {
@@ -224,7 +232,7 @@ fn place(key: &str, at_m: Vec3) -> Result<(), Wrong> {
     at_m.to_array().into_iter().try_for_each(|x| number(key, x, Bound::new(-100.0, 100.0)))
 }
 
-fn colour(key: &str, rgb: Vec3) -> Result<(), Wrong> {
+pub(super) fn colour(key: &str, rgb: Vec3) -> Result<(), Wrong> {
     rgb.to_array().into_iter().try_for_each(|c| number(key, c, Bound::new(0.0, 1.0)))
 }
 

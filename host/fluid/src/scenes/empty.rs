@@ -21,6 +21,7 @@ fn make() -> Scene {
         liquid: None,
         substances: Vec::new(),
         surface: None,
+        gas: None,
         start: Start::Rest,
         probe: Probe { radius_m: 0.01 },
         feel: Feel {

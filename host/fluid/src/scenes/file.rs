@@ -17,6 +17,9 @@
 //! colour = [0.8, 0.5, 0.1]
 //! [surface]
 //! break_force_n = 0.2
+//! [gas]
+//! hotter_k = 30.0
+//! vents = 8
 //! [probe]
 //! radius_m = 0.012
 //! [feel]
@@ -212,6 +215,10 @@ mod tests {
             ("[liquid\n", 1, ""),
             ("[surface]\ntension_n_per_m = 1e7\n", 2, "sub-steps"),
             ("base = \"empty\"\n[surface]\nbend = 0.1\n", 2, "no surface"),
+            ("[gas]\nvents = 3\n", 1, "no gas"),
+            ("base = \"fumes\"\n[gas]\nvents = -3\n", 3, "gas.vents = -3"),
+            ("base = \"fumes\"\n[gas]\nambient_k = 0\n", 3, "gas.ambient_k = 0"),
+            ("base = \"fumes\"\n[gas]\nheight_m = 50.0\n", 3, "cells in all"),
             ("[probe]\nradius_m = 1e40\n", 2, "probe.radius_m = inf"),
         ] {
             let said = error(text);

@@ -1,5 +1,6 @@
 //! The keys of a scene file, and what each sets.
 
+mod gas;
 mod vessel;
 
 use glam::Vec3;
@@ -9,6 +10,7 @@ use toml::Spanned;
 
 use super::{Act, Scene, Wrong};
 
+use gas::GasKeys;
 use vessel::VesselKeys;
 
 /// The line, from 1, that a span of `text` begins in.
@@ -82,6 +84,7 @@ pub(super) struct File {
     pub(super) vessel: Option<Spanned<VesselKeys>>,
     liquid: Option<Spanned<LiquidKeys>>,
     surface: Option<Spanned<SurfaceKeys>>,
+    gas: Option<Spanned<GasKeys>>,
     #[serde(default)]
     probe: ProbeKeys,
     #[serde(default)]
@@ -167,6 +170,7 @@ impl File {
         self.vessel.map_or(Ok(()), |v| vessel::apply(&v, scene, lines))?;
         self.liquid.map_or(Ok(()), |l| apply_liquid(&l, scene, lines))?;
         self.surface.map_or(Ok(()), |s| apply_surface(&s, scene, lines))?;
+        self.gas.map_or(Ok(()), |g| gas::apply(&g, scene, lines))?;
         lines.set("probe.radius_m", &mut scene.probe.radius_m, &self.probe.radius_m);
         self.feel.apply(scene, lines);
         for (place, keys) in self.substance.iter().enumerate() {

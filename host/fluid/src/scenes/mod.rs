@@ -7,11 +7,14 @@ mod cauldron;
 mod check;
 mod empty;
 mod file;
+mod fumes;
+mod gas;
 mod keys;
 mod taylor_green;
 
 pub use check::{Bound, Wrong};
 pub use file::{SceneError, find, read};
+pub use gas::Gas;
 
 use cauldron_protocol::{WorldFromDevice, message::Modes};
 use glam::Vec3;
@@ -30,7 +33,7 @@ pub struct SceneRow {
 }
 
 /// Every scene that ships.
-pub const INDEX: &[SceneRow] = &[cauldron::ROW, empty::ROW, taylor_green::ROW];
+pub const INDEX: &[SceneRow] = &[cauldron::ROW, empty::ROW, fumes::ROW, taylor_green::ROW];
 
 /// A scene: plain data, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +52,8 @@ pub struct Scene {
     pub substances: Vec<Substance>,
     /// The surface, if there is one.
     pub surface: Option<SurfaceParams>,
+    /// The gas above the liquid, if it is to be computed.
+    pub gas: Option<Gas>,
     /// How the liquid moves at first.
     pub start: Start,
     /// What the hand holds.

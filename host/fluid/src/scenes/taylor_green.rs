@@ -27,6 +27,7 @@ fn make() -> Scene {
         }),
         substances: Vec::new(),
         surface: None,
+        gas: None,
         start: Start::TaylorGreen(0.3),
         probe: Probe { radius_m: 0.012 },
         feel: Feel {

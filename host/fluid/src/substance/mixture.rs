@@ -40,6 +40,11 @@ impl Substances {
         self.all.iter().map(|s| s.properties.density_kg_m3)
     }
 
+    /// The viscosities of all that may be poured.
+    pub(crate) fn viscosities(&self) -> impl Iterator<Item = f32> {
+        self.all.iter().map(|s| s.properties.viscosity_m2_s)
+    }
+
     /// Differs from that of any other state of any substances.
     pub(crate) fn stamp(&self) -> u64 {
         self.stamp

@@ -3,7 +3,11 @@
 use glam::Vec3;
 
 use super::{Substances, mixture::next_stamp};
-use crate::solver::{Refused, flow::faces::cells, within};
+use crate::{
+    grid::Grid,
+    solver::{Refused, within},
+    vessel::cut::{CellBox, each},
+};
 
 /// What is poured or drained reaches at least this many cells around.
 const MIN_RADIUS_CELLS: f32 = 1.5;
@@ -17,6 +21,20 @@ struct Mouth {
 }
 
 impl Mouth {
+    /// The cells that it may reach.
+    fn cells(&self, grid: &Grid) -> CellBox {
+        let corner = |way_m: f32| {
+            let from_origin_m = self.centre_in_world_m + way_m - grid.origin_in_world_m;
+            (from_origin_m / grid.spacing_m).to_array()
+        };
+        let (low, high) = (corner(-self.radius_m), corner(self.radius_m));
+        // As casts have it, what is below 0 is 0.
+        std::array::from_fn(|axis| {
+            let end = (high[axis].ceil() as usize).min(grid.cells[axis]);
+            (low[axis].floor() as usize).min(end)..end
+        })
+    }
+
     /// The share of what could pass at a point that does: 1 - e^-amount in the middle, smoothly
     /// less towards the radius.
     fn share_at(&self, point_in_world_m: Vec3) -> f32 {
@@ -50,7 +68,7 @@ impl Substances {
             return Ok(());
         }
         self.stamp = next_stamp();
-        for (i, j, k) in cells(self.layout.cells) {
+        each(&mouth.cells(&self.grid), |[i, j, k]| {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             if share > 0.0 && self.mask.is_liquid([i as isize, j as isize, k as isize]) {
                 let at = self.layout.index(i, j, k);
@@ -63,7 +81,7 @@ impl Substances {
                 found.highest = found.highest.max(after);
                 found.poured_cells += f64::from(after) - f64::from(before);
             }
-        }
+        });
         Ok(())
     }
 
@@ -86,7 +104,7 @@ impl Substances {
             return Ok(());
         }
         self.stamp = next_stamp();
-        for (i, j, k) in cells(self.layout.cells) {
+        each(&mouth.cells(&self.grid), |[i, j, k]| {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             let at = self.layout.index(i, j, k);
             for found in &mut self.all {
@@ -95,7 +113,7 @@ impl Substances {
                 found.cells.fraction[at] = after;
                 found.drained_cells += f64::from(before) - f64::from(after);
             }
-        }
+        });
         Ok(())
     }
 
@@ -107,7 +125,8 @@ impl Substances {
         cells * f64::from(self.grid.cell_volume_m3())
     }
 
-    /// Volume of one substance that was drained so far; 0 if it is unknown.
+    /// Volume of one substance that was drained so far, or has left through sides that let out what
+    /// comes; 0 if it is unknown.
     #[must_use]
     pub fn drained_m3(&self, substance: usize) -> f64 {
         let cells = self.all.get(substance).map_or(0.0, |found| found.drained_cells);

@@ -122,6 +122,11 @@ impl Sweep<'_> {
             let flow = [cut(u, 0, len), cut(u, 1, len), cut(u, 2, len)];
             let per_volume = [cut(&per_volume, 0, len), cut(&per_volume, 1, len)];
             self.set_flux(cut_mut(&mut flux, 1, len), s, beside, flow, per_volume);
+            // What passes the last face, the side of the box, is not for a sweep to take.
+            let side = self.layout.cells[0] - start;
+            if side <= len {
+                flux[side] = 0.0;
+            }
             let mut next = [0f32; WIDTH];
             let next = &mut next[..len];
             let fluxes = [cut(&flux, 0, len), cut(&flux, 1, len)];
@@ -225,7 +230,11 @@ impl Sweep<'_> {
                 velocity((face + 1).min(n)),
             ];
             let per_volume = [&per_volume[other][..len], &per_volume[this][..len]];
-            self.set_flux(&mut flux[this][..len], s, beside, flow, per_volume);
+            if face == 0 || face == n {
+                flux[this][..len].fill(0.0);
+            } else {
+                self.set_flux(&mut flux[this][..len], s, beside, flow, per_volume);
+            }
             if face > places.start {
                 let mut next = [0f32; WIDTH];
                 let fluxes = [&flux[other][..len], &flux[this][..len]];

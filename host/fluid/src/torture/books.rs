@@ -111,8 +111,7 @@ impl Books {
         self.check("energy_excess", share, ENERGY_SLACK, at);
     }
 
-    /// Compares what the cells hold of each substance with what was poured and drained. Where
-    /// liquid may leave, it takes what it holds along: there only a gain is a mistake.
+    /// Compares what the cells hold of each substance with what was poured, drained, and let out.
     pub fn mass(&mut self, world: &World<'_>, at: usize) {
         let cell_m3 = f64::from(world.case.grid.cell_volume_m3());
         for index in 0..world.substances.len() {
@@ -121,8 +120,7 @@ impl Books {
             let held_m3 = cell_m3 * self.fractions.iter().map(|f| f64::from(*f)).sum::<f64>();
             let poured_m3 = world.substances.poured_m3(index);
             let gained_m3 = held_m3 + world.substances.drained_m3(index) - poured_m3;
-            let gain = gained_m3 / poured_m3.max(f64::MIN_POSITIVE);
-            let error = if world.case.has_openings() { gain.max(0.0) } else { gain.abs() };
+            let error = gained_m3.abs() / poured_m3.max(f64::MIN_POSITIVE);
             self.check("mass_error", error, MASS_SLACK, at);
         }
     }

@@ -136,12 +136,6 @@ impl Case {
         }
     }
 
-    /// True if liquid may come in or leave.
-    #[must_use]
-    pub fn has_openings(&self) -> bool {
-        self.sides.0.iter().flatten().any(|s| matches!(s, Side::Inflow(_) | Side::Outflow))
-    }
-
     /// What was drawn and describes the run, by name, for a row of figures.
     #[must_use]
     pub fn params(&self) -> Vec<(&'static str, f64)> {

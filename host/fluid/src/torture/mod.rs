@@ -9,8 +9,8 @@
 //! - every velocity is finite, and none above the crate's cap;
 //! - kinetic energy is never above what it was plus what pushes, forces, gravity and moving
 //!   obstacles gave (unless a side drives);
-//! - the mass of each substance is what was poured and not drained, to 1e-5 of what was poured (no more than that where liquid can
-//!   leave), and every fraction is from 0 to 1;
+//! - the mass of each substance is what was poured and neither drained nor carried out, to 1e-5 of
+//!   what was poured, and every fraction is from 0 to 1;
 //! - where viscosity acts and nothing drives, the liquid comes to rest (or decays as it has to,
 //!   if that would take too long);
 //! - an input that is not finite is refused by its name and changes no bit.
@@ -76,7 +76,6 @@ pub fn run(case: &Case, pool: &Arc<Pool>, simd: SimdClass) -> Verdict {
 fn not_asked(case: &Case) -> Vec<&'static str> {
     let asked = [
         (case.sides.drive(), "energy: a side drives"),
-        (case.has_openings(), "loss of mass: liquid can leave"),
         (case.substances.is_empty(), "mass: nothing is poured"),
         (Decay::of(case).is_none(), "rest: inviscid, driven, or streams through freely"),
     ];

@@ -168,9 +168,9 @@ impl Flow {
     /// [`Refused`] if it is not finite or above 10^6 m/s^2; it is unchanged then.
     pub fn set_gravity_m_s2(&mut self, gravity_m_s2: Vec3) -> Result<(), Refused> {
         self.gravity_m_s2 = sound_gravity(gravity_m_s2)?;
-        if let Some(mixture) = &mut self.mixture {
-            let weighs = mixture.is_weighty || self.obstacles.is_some();
-            mixture.set_buoyancy(&self.layout, &self.faces.open, self.gravity_m_s2, weighs);
+        if let Some(mut mixture) = self.mixture.take() {
+            self.set_buoyancy(&mut mixture);
+            self.mixture = Some(mixture);
         }
         self.survey = None;
         Ok(())
@@ -229,7 +229,9 @@ impl Flow {
             self.projection.make_room();
             mixture.weight = Some((Density::new(&self.layout, self.bare()), self.layout.zeros()));
         }
-        mixture.thick = Some(Thick::new(&self.layout, self.bare()));
+        if substances.viscosities().any(|viscosity| viscosity != liquid.viscosity_m2_s) {
+            mixture.thick = Some(Thick::new(&self.layout, self.bare()));
+        }
         self.spare_mixture = Some(mixture);
     }
 
@@ -268,12 +270,10 @@ impl Flow {
             self.spare_mixture = Some(mixture);
             return;
         }
-        let Self { layout, faces, ghosts, gravity_m_s2, pool, simd, .. } = self;
+        let Self { layout, faces, ghosts, pool, simd, .. } = self;
         let lightest = density.most * LEAST_SHARE;
         mixture.density.iter_mut().for_each(|density| *density = density.max(lightest) / reference);
         ghosts.extend_cells(&mut mixture.density);
-        let weighs = mixture.is_weighty || !may_differ;
-        mixture.set_buoyancy(layout, &faces.open, *gravity_m_s2, weighs);
         let on = Engine { pool, simd: *simd, faces };
         if mixture.is_weighty {
             self.projection.make_room();
@@ -289,7 +289,17 @@ impl Flow {
             let density = mixture.is_weighty.then_some(&mixture.density);
             thick.stress.set(on, ghosts, &mixture.viscosity_m2_s, density, per_area);
         }
+        self.set_buoyancy(&mut mixture);
         self.mixture = Some(mixture);
+    }
+
+    /// Lets gravity act on what a mixture is made of. Beyond sides that are open there is pure liquid:
+    /// what is lighter rises in it. Where densities weigh in the pressure, the lightest floats.
+    fn set_buoyancy(&self, mixture: &mut Mixture) {
+        let weighs = mixture.is_weighty || self.obstacles.is_some();
+        let beyond = (self.ghosts.is_any_free() && !mixture.is_weighty)
+            .then_some((self.pure.density_kg_m3 / self.density_kg_m3) as f32);
+        mixture.set_buoyancy(&self.layout, &self.faces.open, self.gravity_m_s2, weighs, beyond);
     }
 
     fn range(&self, field: &Field) -> Range {

@@ -28,7 +28,7 @@ pub struct Mixture {
     /// What gravity does at open faces.
     pub buoyancy_m_s2: Vector,
     /// Least density at each level along one axis.
-    lightest: Vec<f32>,
+    floating: Vec<f32>,
     /// Largest of what gravity does.
     pub largest_m_s2: f64,
     /// All that accelerates a stage.
@@ -74,7 +74,7 @@ impl Mixture {
             density: layout.zeros(),
             viscosity_m2_s: layout.zeros(),
             buoyancy_m_s2: vector(),
-            lightest: vec![0.0; layout.cells.into_iter().max().unwrap_or(0)],
+            floating: vec![0.0; layout.cells.into_iter().max().unwrap_or(0)],
             largest_m_s2: 0.0,
             total_m_s2: vector(),
             thick: None,
@@ -103,12 +103,15 @@ impl Mixture {
     /// Sets what gravity does to it.
     ///
     /// Where `weighs`, by what the liquid weighs itself, so that nothing falls faster than freely.
+    /// What is as dense as `beyond` floats, or, where that is not said, the lightest of each level
+    /// does: in a closed box the pressure makes up for either, and this one leaves layers at rest.
     pub fn set_buoyancy(
         &mut self,
         layout: &Layout,
         open: &Vector,
         gravity_m_s2: DVec3,
         weighs: bool,
+        beyond: Option<f32>,
     ) {
         self.largest_m_s2 = 0.0;
         for c in 0..3 {
@@ -119,18 +122,22 @@ impl Mixture {
             }
             let (stride, density, open) = (layout.strides()[c], &*self.density, &*open[c]);
             let mean = |at: usize| 0.5 * (density[at] + density[at - stride]);
-            let lightest = &mut self.lightest[..layout.cells[c]];
-            lightest.fill(f32::INFINITY);
+            let floating = &mut self.floating[..layout.cells[c]];
+            floating.fill(f32::INFINITY);
             let faces = || {
                 let all = cells(layout.cells).map(|(i, j, k)| ([i, j, k], layout.index(i, j, k)));
                 all.filter(|(_, at)| open[*at] > 0.0)
             };
-            for (face, at) in faces() {
-                lightest[face[c]] = lightest[face[c]].min(mean(at));
+            if let Some(density) = beyond {
+                floating.fill(density);
+            } else {
+                for (face, at) in faces() {
+                    floating[face[c]] = floating[face[c]].min(mean(at));
+                }
             }
             for (face, at) in faces() {
                 let weight = if weighs { mean(at) } else { 1.0 };
-                out[at] = gravity * (mean(at) - lightest[face[c]]) / weight;
+                out[at] = gravity * (mean(at) - floating[face[c]]) / weight;
                 self.largest_m_s2 = self.largest_m_s2.max(f64::from(out[at].abs()));
             }
         }

@@ -282,6 +282,13 @@ impl Flow {
         components(fluxes)
     }
 
+    /// If anything can pass a side of the box: which axes are periodic.
+    pub(crate) fn periodic_if_open(&self) -> Option<[bool; 3]> {
+        let is_periodic = [0, 1, 2].map(|axis| self.ghosts.is_periodic(axis));
+        let is_open = self.ghosts.is_any_free() || self.side_speed_m_s > 0.0;
+        (is_open || is_periodic.contains(&true)).then_some(is_periodic)
+    }
+
     /// How its arrays lie.
     pub(crate) fn layout(&self) -> &Layout {
         &self.layout
