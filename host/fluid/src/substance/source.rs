@@ -3,7 +3,10 @@
 use glam::Vec3;
 
 use super::{Substances, mixture::next_stamp};
-use crate::solver::{Refused, flow::faces::cells, within};
+use crate::{
+    grid::Grid,
+    solver::{Refused, within},
+};
 
 /// What is poured or drained reaches at least this many cells around.
 const MIN_RADIUS_CELLS: f32 = 1.5;
@@ -17,6 +20,21 @@ struct Mouth {
 }
 
 impl Mouth {
+    /// The cells of a box around it, as far as the grid has them.
+    fn cells(&self, grid: &Grid) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+        let centre = self.centre_in_world_m.as_dvec3() - grid.origin_in_world_m.as_dvec3();
+        let [h, radius_m] = [grid.spacing_m, self.radius_m].map(f64::from);
+        let [i, j, k] = [0, 1, 2].map(|axis| {
+            // A cell more on both sides: centres are rounded. What is out of range saturates.
+            let first = ((centre[axis] - radius_m) / h - 1.0) as usize;
+            first..grid.cells[axis].min(((centre[axis] + radius_m) / h + 2.0) as usize)
+        });
+        k.flat_map(move |k| {
+            let i = i.clone();
+            j.clone().flat_map(move |j| i.clone().map(move |i| (i, j, k)))
+        })
+    }
+
     /// The share of what could pass at a point that does: 1 - e^-amount in the middle, smoothly
     /// less towards the radius.
     fn share_at(&self, point_in_world_m: Vec3) -> f32 {
@@ -50,7 +68,7 @@ impl Substances {
             return Ok(());
         }
         self.stamp = next_stamp();
-        for (i, j, k) in cells(self.layout.cells) {
+        for (i, j, k) in mouth.cells(&self.grid) {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             if share > 0.0 && self.mask.is_liquid([i as isize, j as isize, k as isize]) {
                 let at = self.layout.index(i, j, k);
@@ -61,7 +79,9 @@ impl Substances {
                 found.cells.fraction[at] = after;
                 found.cells.include(i, j, k);
                 found.highest = found.highest.max(after);
-                found.poured_cells += f64::from(after) - f64::from(before);
+                let poured = f64::from(after) - f64::from(before);
+                found.poured_cells += poured;
+                found.held_cells += poured;
             }
         }
         Ok(())
@@ -86,14 +106,16 @@ impl Substances {
             return Ok(());
         }
         self.stamp = next_stamp();
-        for (i, j, k) in cells(self.layout.cells) {
+        for (i, j, k) in mouth.cells(&self.grid) {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             let at = self.layout.index(i, j, k);
             for found in &mut self.all {
                 let before = found.cells.fraction[at];
                 let after = before * (1.0 - share);
                 found.cells.fraction[at] = after;
-                found.drained_cells += f64::from(before) - f64::from(after);
+                let drained = f64::from(before) - f64::from(after);
+                found.drained_cells += drained;
+                found.held_cells -= drained;
             }
         }
         Ok(())
