@@ -146,7 +146,8 @@ fn take_excess(on: Engine<'_>, layout: &Layout, substance: &mut Substance, sum: 
 /// What `cells` hold.
 pub fn content(on: Engine<'_>, layout: &Layout, cells: &Cells) -> f64 {
     on.pool.sum(layout.cells[2], |k| {
-        let mut lanes = [0f64; BLOCK];
+        // Two kinds of sums: one that is added to by values and by blocks would wait at each change.
+        let (mut lanes, mut rests) = ([0f64; BLOCK], 0.0);
         on.simd.vectorize(
             #[inline(always)]
             || {
@@ -157,13 +158,11 @@ pub fn content(on: Engine<'_>, layout: &Layout, cells: &Cells) -> f64 {
                             lanes[i] += f64::from(block[i]);
                         }
                     }
-                    for i in 0..rest.len() {
-                        lanes[i] += f64::from(rest[i]);
-                    }
+                    rests += rest.iter().fold(0.0, |sum, f| sum + f64::from(*f));
                 }
             },
         );
-        lanes.iter().sum()
+        lanes.iter().sum::<f64>() + rests
     })
 }
 

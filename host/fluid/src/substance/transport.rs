@@ -101,7 +101,8 @@ impl<'a> Part<'a> {
                     #[inline(always)]
                     || {
                         let extent = self.sweep_plane(on, k, plane, Extent::load(stored), true);
-                        self.note(extent, plane, stored)
+                        self.note(extent, plane, stored);
+                        extent.cells() as f64
                     },
                 )
             });
@@ -118,12 +119,11 @@ impl<'a> Part<'a> {
         computed / if reverse { 2.0 } else { 1.0 }
     }
 
-    /// Stores what of `extent` is still needed; returns how many cells it had.
+    /// Stores what of `extent` is still needed.
     #[inline(always)]
-    fn note(&self, extent: Extent, plane: &[f32], stored: &mut [f32]) -> f64 {
+    fn note(&self, extent: Extent, plane: &[f32], stored: &mut [f32]) {
         let kept = if self.may_skip { extent.shrunk(self.layout, plane) } else { extent };
         kept.store(stored);
-        extent.cells() as f64
     }
 
     #[inline(always)]
@@ -214,12 +214,15 @@ impl<'a> Part<'a> {
         let layout = self.layout;
         let slab = SLAB * slab..(SLAB * (slab + 1)).min(layout.cells[2]);
         clear(layout, out, stored);
-        let nearby = slab.start.saturating_sub(1)..slab.end + 1;
-        let reach = nearby.clone().fold(Extent::default(), |reach, k| reach.with(from.extent(k)));
-        let mut full = nearby.filter(|k| !from.extent(*k).is_empty());
-        let Some(lowest) = full.next() else { return 0.0 };
-        let last = full.next_back().unwrap_or(lowest);
-        let planes = slab.start.max(lowest.saturating_sub(1))..slab.end.min(last + 2);
+        // What a plane holds afterwards came from itself or its neighbours.
+        let near = |k: usize| {
+            let nearby = k.saturating_sub(1)..k + 2;
+            nearby.fold(Extent::default(), |near, k| near.with(from.extent(k)))
+        };
+        let mut full = slab.clone().filter(|k| !near(*k).is_empty());
+        let Some(first) = full.next() else { return 0.0 };
+        let planes = first..full.next_back().unwrap_or(first) + 1;
+        let reach = planes.clone().fold(Extent::default(), |reach, k| reach.with(near(k)));
         let before = if reverse { &ACROSS_LAST[..2] } else { &ACROSS_FIRST[..0] };
         let (sweep, mut room) = (self.sweep(on, 2, before), LineRoom::new());
         for j in reach.rows() {
@@ -236,8 +239,10 @@ impl<'a> Part<'a> {
         let outs = out.chunks_exact_mut(layout.plane).zip(stored.chunks_exact_mut(STORED));
         let mut computed = 0.0;
         for (k, (plane, stored)) in slab.zip(outs).filter(|(k, _)| planes.contains(k)) {
-            let extent = if reverse { reach } else { self.sweep_plane(on, k, plane, reach, false) };
-            computed += self.note(extent, plane, stored);
+            let near = near(k);
+            let extent = if reverse { near } else { self.sweep_plane(on, k, plane, near, false) };
+            self.note(extent, plane, stored);
+            computed += reach.with(extent).cells() as f64;
         }
         computed
     }
