@@ -142,12 +142,10 @@ fn peak_flops_per_s(simd: SimdClass, times: usize) -> f64 {
             #[inline(always)]
             |class| {
                 for _ in 0..ROUNDS {
-                    for i in 0..VALUES {
-                        let mut value = values[i];
+                    for value in &mut values {
                         for _ in 0..DEPTH {
-                            value = class.multiply_add(value, factor, term);
+                            *value = class.multiply_add(*value, factor, term);
                         }
-                        values[i] = value;
                     }
                 }
             },
