@@ -25,7 +25,7 @@ use glam::Vec3;
 
 pub use self::schedule::{Carrying, Spreading, TransportReport};
 use self::{
-    cells::Cells,
+    cells::{Cells, Extent},
     remap::Remap,
     schedule::{carrying, spreading},
     sides::Sides,
@@ -103,7 +103,7 @@ struct Substance {
     highest: f32,
     /// What waits for room, and what f32 has rounded away, in cells (see [`fit`]).
     owed_cells: f64,
-    /// What there was after the last step.
+    /// What its cells hold, by the books: only what is carried is counted again.
     held_cells: f64,
     poured_cells: f64,
     drained_cells: f64,
@@ -185,21 +185,16 @@ impl Substances {
         }
         let mut room = self.fluxes.take();
         let velocity = flow.fluxes(&mut room);
-        let (on, spacing_m) = (flow.carrier(), f64::from(self.grid.spacing_m));
-        let loss = largest_loss_m_s(on, layout, velocity) * dt_s / spacing_m;
-        (report.carrying, report.substeps) = carrying(loss);
+        let on = flow.carrier();
         let sides = flow.periodic_if_open();
+        let comes_round = sides.is_some_and(|is_periodic| is_periodic.contains(&true));
+        let loss = self.reached_loss(on, velocity, dt_s, comes_round);
+        (report.carrying, report.substeps) = carrying(loss);
         for place in 0..self.all.len() {
             let Substance { highest, properties, .. } = &self.all[place];
             if *highest == 0.0 || (loss == 0.0 && properties.diffusivity_m2_s == 0.0) {
-                // What is owed is measured by what there is, and that may just have been poured.
-                let substance = &mut self.all[place];
-                if substance.owed_cells != 0.0 {
-                    substance.held_cells = fit::content(on, layout, &substance.cells);
-                }
                 continue;
             }
-            let before = fit::content(on, layout, &self.all[place].cells);
             let left;
             // In alternating order, as the sweeps.
             if self.reverse {
@@ -210,6 +205,7 @@ impl Substances {
                 self.diffuse(flow.engine(), place, dt_s, &mut report);
             }
             let substance = &mut self.all[place];
+            let before = substance.held_cells;
             substance.held_cells = fit::content(on, layout, &substance.cells);
             substance.drained_cells += left;
             substance.owed_cells += before - left - substance.held_cells;
@@ -221,6 +217,40 @@ impl Substances {
         }
         self.fluxes = room;
         Ok(report)
+    }
+
+    /// Share of its content that a cell would lose in a step, at most, of those that a substance
+    /// can come to within it: each part, and diffusion, takes it a cell further.
+    fn reached_loss(
+        &self,
+        on: Engine<'_>,
+        velocity: [&[f32]; 3],
+        dt_s: f64,
+        comes_round: bool,
+    ) -> f64 {
+        let (layout, all) = (&self.layout, &self.all);
+        let extent = |k: usize| {
+            all.iter().fold(Extent::default(), |extent, s| extent.with(s.cells.extent(k)))
+        };
+        let is_far = |s: &Substance| spreading(self.spread(s, dt_s)) == Spreading::Implicit;
+        let is_anywhere = comes_round || all.iter().any(is_far);
+        let mut reach = if is_anywhere { layout.cells.iter().sum() } else { 2 };
+        loop {
+            let loss_m_s = largest_loss_m_s(on, layout, velocity, extent, reach);
+            let loss = loss_m_s * dt_s / f64::from(self.grid.spacing_m);
+            let (carrying, parts) = carrying(loss);
+            let reached = parts as usize + 1;
+            if reached <= reach || carrying == Carrying::Remapped {
+                return loss;
+            }
+            reach = reached;
+        }
+    }
+
+    /// Diffusion number of a step.
+    fn spread(&self, substance: &Substance, dt_s: f64) -> f64 {
+        let spacing_m = f64::from(self.grid.spacing_m);
+        f64::from(substance.properties.diffusivity_m2_s) * dt_s / (spacing_m * spacing_m)
     }
 
     /// Carries one substance; returns what has left through the sides, in cells.
@@ -267,15 +297,17 @@ impl Substances {
             };
             report.cells_computed += part.carry(on, &mut substance.cells, work, reverse) as u64;
             sides.iter().for_each(|sides| sides.bring_round(&mut substance.cells));
+            if !self.may_skip {
+                substance.cells.shrink(layout);
+            }
         }
         left
     }
 
     fn diffuse(&mut self, on: Engine<'_>, place: usize, dt_s: f64, report: &mut TransportReport) {
+        let spread = self.spread(&self.all[place], dt_s);
         let Self { layout, all, work, spare, .. } = self;
-        let Substance { cells, properties, .. } = &mut all[place];
-        let spacing_m = f64::from(self.grid.spacing_m);
-        let spread = f64::from(properties.diffusivity_m2_s) * dt_s / (spacing_m * spacing_m);
+        let cells = &mut all[place].cells;
         let scheme = spreading(spread);
         report.spreading = report.spreading.max(scheme);
         match scheme {
@@ -315,7 +347,9 @@ impl Substances {
                 return Err(Refused { what: "fraction", value: f64::from(value) });
             }
             let s = &mut self.all[substance];
-            s.cells.fraction[self.layout.index(i, j, k)] = value;
+            let fraction = &mut s.cells.fraction[self.layout.index(i, j, k)];
+            s.held_cells += f64::from(value) - f64::from(*fraction);
+            *fraction = value;
             s.highest = s.highest.max(value);
             if value > 0.0 {
                 s.cells.include(i, j, k);
@@ -348,25 +382,6 @@ impl Substances {
         self.all
             .get(substance)
             .map_or(0.0, |found| found.cells.fraction[self.layout.index(i, j, k)])
-    }
-
-    /// Volume of one substance, what waits for room in an overfull vessel included.
-    #[must_use]
-    pub fn volume_m3(&self, substance: usize) -> f64 {
-        let cells = self.all.get(substance).map_or(0.0, |found| {
-            found.cells.fraction.iter().fold(found.owed_cells, |sum, f| sum + f64::from(*f))
-        });
-        cells * f64::from(self.grid.cell_volume_m3())
-    }
-
-    /// Takes all substances away.
-    pub fn clear(&mut self) {
-        self.stamp = mixture::next_stamp();
-        for substance in &mut self.all {
-            substance.cells.clear();
-            substance.highest = 0.0;
-            substance.owed_cells = 0.0;
-        }
     }
 }
 

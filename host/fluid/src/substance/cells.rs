@@ -47,6 +47,14 @@ impl Extent {
         Self { y: [self.y[0].saturating_sub(1), (self.y[1] + 1).min(layout.cells[1])], ..self }
     }
 
+    /// With so many columns and rows more on every side, if there are; nothing stays nothing.
+    pub fn grown(self, layout: &Layout, by: usize) -> Self {
+        let grow = |[a, b]: [usize; 2], axis: usize| {
+            [a.saturating_sub(by), (b + by).min(layout.cells[axis])]
+        };
+        if self.is_empty() { self } else { Self { x: grow(self.x, 0), y: grow(self.y, 1) } }
+    }
+
     /// Its columns.
     pub fn columns(self) -> Range<usize> {
         self.x[0]..self.x[1]
@@ -142,6 +150,14 @@ impl Cells {
     pub fn spread(&mut self, layout: &Layout) {
         let planes = &mut self.extents[..STORED * layout.cells[2]];
         planes.chunks_exact_mut(STORED).for_each(|e| Extent::whole(layout).store(e));
+    }
+
+    /// Finds out where it is, after [`Cells::spread`].
+    pub fn shrink(&mut self, layout: &Layout) {
+        let planes = layout.planes(&mut self.fraction).chunks_exact(layout.plane);
+        for (plane, stored) in planes.zip(self.extents.chunks_exact_mut(STORED)) {
+            Extent::load(stored).shrunk(layout, plane).store(stored);
+        }
     }
 
     /// Takes everything away.

@@ -34,7 +34,7 @@ pub fn explicit(
         let nearby = k.saturating_sub(1)..k + 2;
         let reach = nearby.fold(Extent::default(), |reach, k| reach.with(from.extent(k)));
         let is_plane = k < layout.cells[2] && !reach.is_empty();
-        let reach = if is_plane { reach.wider(layout).taller(layout) } else { Extent::default() };
+        let reach = if is_plane { reach.grown(layout, 1) } else { Extent::default() };
         reach.store(stored);
         on.simd.vectorize(
             #[inline(always)]

@@ -50,13 +50,16 @@ pub fn fit(on: Engine<'_>, layout: &Layout, all: &mut [Substance], sum: &mut [f3
         }
         books_close = false;
     }
+    // From here on all room counts, also where none of them is.
+    for substance in all.iter_mut().filter(|substance| substance.owed_cells > 0.0) {
+        substance.cells.spread(layout);
+    }
     set_sum(on, layout, all, sum);
     let room = on.pool.sum(layout.cells[2], |k| {
         rows_of(layout, Extent::whole(layout), k).map(|at| room_in(on, sum, at)).sum()
     });
     for substance in all.iter_mut().filter(|substance| substance.owed_cells > 0.0) {
         let share = substance.owed_cells / room.max(f64::MIN_POSITIVE);
-        substance.cells.spread(layout);
         give(on, layout, substance, sum, [0.0, share.min(1.0) as f32]);
     }
 }
@@ -81,12 +84,13 @@ fn room_in(on: Engine<'_>, sum: &[f32], (at, len): (usize, usize)) -> f64 {
     cells.map(|(sum, liquid)| f64::from((liquid - sum).max(0.0))).sum()
 }
 
-/// Sets the sum of all fractions; returns the largest.
+/// Sets the sum of all fractions where any is; returns the largest.
 fn set_sum(on: Engine<'_>, layout: &Layout, all: &[Substance], sum: &mut [f32]) -> f64 {
     let body = |k: usize, [plane]: [&mut [f32]; 1]| {
-        plane.fill(0.0);
+        let found = || all.iter().filter(|substance| substance.highest > 0.0);
+        found().fold(Extent::default(), |all, s| all.with(s.cells.extent(k))).clear(layout, plane);
         let mut largest = Largest::default();
-        for substance in all.iter().filter(|substance| substance.highest > 0.0) {
+        for substance in found() {
             for (at, len) in rows_of(layout, substance.cells.extent(k), k) {
                 on.simd.vectorize(
                     #[inline(always)]
@@ -142,24 +146,23 @@ fn take_excess(on: Engine<'_>, layout: &Layout, substance: &mut Substance, sum: 
 /// What `cells` hold.
 pub fn content(on: Engine<'_>, layout: &Layout, cells: &Cells) -> f64 {
     on.pool.sum(layout.cells[2], |k| {
-        let mut total = 0.0;
-        for (at, len) in rows_of(layout, cells.extent(k), k) {
-            on.simd.vectorize(
-                #[inline(always)]
-                || {
-                    let mut lanes = [0f32; BLOCK];
+        // Two kinds of sums: one that is added to by values and by blocks would wait at each change.
+        let (mut lanes, mut rests) = ([0f64; BLOCK], 0.0);
+        on.simd.vectorize(
+            #[inline(always)]
+            || {
+                for (at, len) in rows_of(layout, cells.extent(k), k) {
                     let (blocks, rest) = cut(&cells.fraction, at, len).as_chunks::<BLOCK>();
                     for block in blocks {
                         for i in 0..BLOCK {
-                            lanes[i] += block[i];
+                            lanes[i] += f64::from(block[i]);
                         }
                     }
-                    let all = lanes.iter().chain(rest);
-                    total += all.fold(0.0, |sum, f| sum + f64::from(*f));
-                },
-            );
-        }
-        total
+                    rests += rest.iter().fold(0.0, |sum, f| sum + f64::from(*f));
+                }
+            },
+        );
+        lanes.iter().sum::<f64>() + rests
     })
 }
 

@@ -6,7 +6,6 @@ use super::{Substances, mixture::next_stamp};
 use crate::{
     grid::Grid,
     solver::{Refused, within},
-    vessel::cut::{CellBox, each},
 };
 
 /// What is poured or drained reaches at least this many cells around.
@@ -21,17 +20,18 @@ struct Mouth {
 }
 
 impl Mouth {
-    /// The cells that it may reach.
-    fn cells(&self, grid: &Grid) -> CellBox {
-        let corner = |way_m: f32| {
-            let from_origin_m = self.centre_in_world_m + way_m - grid.origin_in_world_m;
-            (from_origin_m / grid.spacing_m).to_array()
-        };
-        let (low, high) = (corner(-self.radius_m), corner(self.radius_m));
-        // As casts have it, what is below 0 is 0.
-        std::array::from_fn(|axis| {
-            let end = (high[axis].ceil() as usize).min(grid.cells[axis]);
-            (low[axis].floor() as usize).min(end)..end
+    /// The cells of a box around it, as far as the grid has them.
+    fn cells(&self, grid: &Grid) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+        let centre = self.centre_in_world_m.as_dvec3() - grid.origin_in_world_m.as_dvec3();
+        let [h, radius_m] = [grid.spacing_m, self.radius_m].map(f64::from);
+        let [i, j, k] = [0, 1, 2].map(|axis| {
+            // A cell more on both sides: centres are rounded. What is out of range saturates.
+            let first = ((centre[axis] - radius_m) / h - 1.0) as usize;
+            first..grid.cells[axis].min(((centre[axis] + radius_m) / h + 2.0) as usize)
+        });
+        k.flat_map(move |k| {
+            let i = i.clone();
+            j.clone().flat_map(move |j| i.clone().map(move |i| (i, j, k)))
         })
     }
 
@@ -68,7 +68,7 @@ impl Substances {
             return Ok(());
         }
         self.stamp = next_stamp();
-        each(&mouth.cells(&self.grid), |[i, j, k]| {
+        for (i, j, k) in mouth.cells(&self.grid) {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             if share > 0.0 && self.mask.is_liquid([i as isize, j as isize, k as isize]) {
                 let at = self.layout.index(i, j, k);
@@ -79,9 +79,11 @@ impl Substances {
                 found.cells.fraction[at] = after;
                 found.cells.include(i, j, k);
                 found.highest = found.highest.max(after);
-                found.poured_cells += f64::from(after) - f64::from(before);
+                let poured = f64::from(after) - f64::from(before);
+                found.poured_cells += poured;
+                found.held_cells += poured;
             }
-        });
+        }
         Ok(())
     }
 
@@ -104,16 +106,18 @@ impl Substances {
             return Ok(());
         }
         self.stamp = next_stamp();
-        each(&mouth.cells(&self.grid), |[i, j, k]| {
+        for (i, j, k) in mouth.cells(&self.grid) {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             let at = self.layout.index(i, j, k);
             for found in &mut self.all {
                 let before = found.cells.fraction[at];
                 let after = before * (1.0 - share);
                 found.cells.fraction[at] = after;
-                found.drained_cells += f64::from(before) - f64::from(after);
+                let drained = f64::from(before) - f64::from(after);
+                found.drained_cells += drained;
+                found.held_cells -= drained;
             }
-        });
+        }
         Ok(())
     }
 
@@ -131,6 +135,26 @@ impl Substances {
     pub fn drained_m3(&self, substance: usize) -> f64 {
         let cells = self.all.get(substance).map_or(0.0, |found| found.drained_cells);
         cells * f64::from(self.grid.cell_volume_m3())
+    }
+
+    /// Volume of one substance, what waits for room in an overfull vessel included.
+    #[must_use]
+    pub fn volume_m3(&self, substance: usize) -> f64 {
+        let cells = self.all.get(substance).map_or(0.0, |found| {
+            found.cells.fraction.iter().fold(found.owed_cells, |sum, f| sum + f64::from(*f))
+        });
+        cells * f64::from(self.grid.cell_volume_m3())
+    }
+
+    /// Takes all substances away.
+    pub fn clear(&mut self) {
+        self.stamp = mixture::next_stamp();
+        for substance in &mut self.all {
+            substance.cells.clear();
+            substance.highest = 0.0;
+            substance.owed_cells = 0.0;
+            substance.held_cells = 0.0;
+        }
     }
 
     fn mouth(

@@ -39,11 +39,86 @@ pub struct Sweep<'a> {
 }
 
 /// Rows of values across lines that are swept, and where to put the new ones.
-pub trait Rows {
-    /// `len` values from column `first` at place `p` of the lines.
-    fn read(&self, p: usize, first: usize, len: usize) -> &[f32];
+pub struct Rows<'a> {
+    /// Where to read, and the index of the first row there; `None` if where they are put.
+    pub from: Option<(&'a [f32], usize)>,
+    /// Where to put them.
+    pub to: &'a mut [f32],
+    /// Index there of the row at place `first`.
+    pub start: usize,
+    /// The first place that `to` has.
+    pub first: usize,
+    /// Values from one row to the next.
+    pub stride: usize,
+}
+
+impl Rows<'_> {
+    /// `len` values from `column` at place `p` of the lines.
+    #[inline(always)]
+    fn read(&self, p: usize, column: usize, len: usize) -> &[f32] {
+        match self.from {
+            Some((from, at)) => cut(from, at + p * self.stride + column, len),
+            None => cut(self.to, self.start + (p - self.first) * self.stride + column, len),
+        }
+    }
+
     /// The place for the new ones.
-    fn write(&mut self, p: usize, first: usize, len: usize) -> &mut [f32];
+    #[inline(always)]
+    fn write(&mut self, p: usize, column: usize, len: usize) -> &mut [f32] {
+        cut_mut(self.to, self.start + (p - self.first) * self.stride + column, len)
+    }
+}
+
+/// Work space of a sweep along rows. A narrow extent has many short rows: space made anew for
+/// each would cost as much as what is computed in it.
+pub struct RowRoom {
+    old: [f32; WIDTH + BLOCK + 1],
+    steps: [f32; WIDTH + BLOCK],
+    volumes: [f32; WIDTH + BLOCK],
+    per_volume: [f32; WIDTH + BLOCK],
+    flux: [f32; WIDTH + 1],
+    next: [f32; WIDTH],
+}
+
+impl RowRoom {
+    /// Room for any row.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self {
+            old: [0.0; WIDTH + BLOCK + 1],
+            steps: [0.0; WIDTH + BLOCK],
+            volumes: [0.0; WIDTH + BLOCK],
+            per_volume: [0.0; WIDTH + BLOCK],
+            flux: [0.0; WIDTH + 1],
+            next: [0.0; WIDTH],
+        }
+    }
+}
+
+/// Work space of a sweep along lines.
+pub struct LineRoom {
+    /// Step across face f in row f modulo the number.
+    steps: [[f32; WIDTH]; 8],
+    /// Of cell f in row f modulo the number, and their inverses.
+    volumes: [[f32; WIDTH]; 2],
+    per_volume: [[f32; WIDTH]; 2],
+    /// Through face f in row f modulo the number.
+    flux: [[f32; WIDTH]; 2],
+    next: [f32; WIDTH],
+}
+
+impl LineRoom {
+    /// Room for any lines.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self {
+            steps: [[0.0; WIDTH]; 8],
+            volumes: [[1.0; WIDTH]; 2],
+            per_volume: [[1.0; WIDTH]; 2],
+            flux: [[0.0; WIDTH]; 2],
+            next: [0.0; WIDTH],
+        }
+    }
 }
 
 impl Sweep<'_> {
@@ -98,40 +173,43 @@ impl Sweep<'_> {
     /// Sweeps `columns` of one row along x, in place. Cell 0 of it is at `to` in `plane`, and at
     /// `at` in whole arrays. Nothing passes the first face: it is a wall, or no substance is near.
     #[inline(always)]
-    pub fn row(&self, plane: &mut [f32], to: usize, at: usize, columns: Range<usize>) {
+    pub fn row(
+        &self,
+        plane: &mut [f32],
+        to: usize,
+        at: usize,
+        columns: Range<usize>,
+        room: &mut RowRoom,
+    ) {
+        let RowRoom { old, steps, volumes, per_volume, flux, next } = room;
         let (mut behind, mut flux_behind) = ([0.0; 3], 0.0);
         for start in columns.clone().step_by(WIDTH) {
             let count = (columns.end - start).min(WIDTH);
             let len = count.next_multiple_of(BLOCK);
             // One block more than needed: whole blocks cost less than what is left of one.
             let more = len + BLOCK;
-            let mut old = [0f32; WIDTH + BLOCK + 1];
             old[..3].copy_from_slice(&behind);
             old[3..][..len + 3].copy_from_slice(cut(plane, to + start, len + 3));
-            let mut steps = [0f32; WIDTH + BLOCK];
-            self.set_row_steps(&mut steps[..more], &old, at, start);
-            let (mut volumes, mut per_volume) = ([0f32; WIDTH + BLOCK], [0f32; WIDTH + BLOCK]);
-            self.set_volumes(at + start, &mut volumes[..len], &mut per_volume);
+            self.set_row_steps(&mut steps[..more], old, at, start);
+            self.set_volumes(at + start, &mut volumes[..len], per_volume);
             // The cell after the last, too.
             self.set_volumes(at + start + len, &mut volumes[len..=len], &mut per_volume[len..]);
-            let mut flux = [0f32; WIDTH + 1];
             flux[0] = flux_behind;
             let u = cut(self.velocity[0], at + start, len + 2);
-            let s: [&[f32]; 5] = array::from_fn(|m| cut(&steps, m + 1, len));
-            let beside = [cut(&old, 3, len), cut(&old, 4, len)];
+            let s: [&[f32]; 5] = array::from_fn(|m| cut(steps, m + 1, len));
+            let beside = [cut(old, 3, len), cut(old, 4, len)];
             let flow = [cut(u, 0, len), cut(u, 1, len), cut(u, 2, len)];
-            let per_volume = [cut(&per_volume, 0, len), cut(&per_volume, 1, len)];
-            self.set_flux(cut_mut(&mut flux, 1, len), s, beside, flow, per_volume);
+            let per_volume = [cut(per_volume, 0, len), cut(per_volume, 1, len)];
+            self.set_flux(cut_mut(flux, 1, len), s, beside, flow, per_volume);
             // What passes the last face, the side of the box, is not for a sweep to take.
             let side = self.layout.cells[0] - start;
             if side <= len {
                 flux[side] = 0.0;
             }
-            let mut next = [0f32; WIDTH];
-            let next = &mut next[..len];
-            let fluxes = [cut(&flux, 0, len), cut(&flux, 1, len)];
-            self.set_next(next, [beside[0], &volumes[..len]], fluxes, [flow[0], flow[1]]);
-            behind.copy_from_slice(cut(&old, count, 3));
+            let fluxes = [cut(flux, 0, len), cut(flux, 1, len)];
+            let volumes = cut(volumes, 0, len);
+            self.set_next(&mut next[..len], [beside[0], volumes], fluxes, [flow[0], flow[1]]);
+            behind.copy_from_slice(cut(old, count, 3));
             flux_behind = flux[count];
             plane[to + start..][..count].copy_from_slice(&next[..count]);
         }
@@ -185,31 +263,38 @@ impl Sweep<'_> {
     /// Sweeps cells `places` of `columns` lines along y or z; the first cell of the first line
     /// is at `at` in whole arrays.
     #[inline(always)]
-    pub fn lines(&self, rows: &mut impl Rows, at: usize, columns: usize, places: Range<usize>) {
+    pub fn lines(
+        &self,
+        rows: &mut Rows<'_>,
+        at: usize,
+        columns: usize,
+        places: Range<usize>,
+        room: &mut LineRoom,
+    ) {
         for first in (0..columns).step_by(WIDTH) {
             let count = (columns - first).min(WIDTH);
-            self.strip(rows, at + first, first, count, places.clone());
+            self.strip(rows, at + first, first..first + count, places.clone(), room);
         }
     }
 
     #[inline(always)]
     fn strip(
         &self,
-        rows: &mut impl Rows,
+        rows: &mut Rows<'_>,
         at: usize,
-        first: usize,
-        count: usize,
+        columns: Range<usize>,
         places: Range<usize>,
+        room: &mut LineRoom,
     ) {
-        let len = count.next_multiple_of(BLOCK);
+        let LineRoom { steps, volumes, per_volume, flux, next } = room;
+        let (first, len) = (columns.start, columns.len().next_multiple_of(BLOCK));
         let (n, stride) = (self.layout.cells[self.axis], self.layout.strides()[self.axis]);
         let velocity = |face: usize| cut(self.velocity[self.axis], at + face * stride, len);
-        // Step across face f, volumes of cell f, flux through face f: in row f modulo the number.
-        let mut steps = [[0f32; WIDTH]; 8];
-        let (mut volumes, mut per_volume) = ([[1f32; WIDTH]; 2], [[1f32; WIDTH]; 2]);
-        let mut flux = [[0f32; WIDTH]; 2];
+        // What lies before the first cell of a line, or after its last.
+        steps[6..].iter_mut().for_each(|steps| steps[..len].fill(0.0));
+        per_volume.iter_mut().for_each(|inverses| inverses[..len].fill(1.0));
         for face in places.start.saturating_sub(2)..places.start + 2 {
-            self.set_line_steps(&mut steps[face % 8][..len], &*rows, at, first, face);
+            self.set_line_steps(&mut steps[face % 8][..len], rows, at, first, face);
         }
         for face in places.start.saturating_sub(1)..=places.end {
             let (this, other) = (face % 2, (face + 1) % 2);
@@ -220,7 +305,7 @@ impl Sweep<'_> {
             if face < places.start {
                 continue;
             }
-            self.set_line_steps(&mut steps[(face + 2) % 8][..len], &*rows, at, first, face + 2);
+            self.set_line_steps(&mut steps[(face + 2) % 8][..len], rows, at, first, face + 2);
             let s = array::from_fn(|m| &steps[(face + 6 + m) % 8][..len]);
             let beside =
                 [rows.read(face.max(1) - 1, first, len), rows.read(face.min(n - 1), first, len)];
@@ -229,18 +314,18 @@ impl Sweep<'_> {
                 velocity(face),
                 velocity((face + 1).min(n)),
             ];
-            let per_volume = [&per_volume[other][..len], &per_volume[this][..len]];
+            let inverses = [&per_volume[other][..len], &per_volume[this][..len]];
             if face == 0 || face == n {
                 flux[this][..len].fill(0.0);
             } else {
-                self.set_flux(&mut flux[this][..len], s, beside, flow, per_volume);
+                self.set_flux(&mut flux[this][..len], s, beside, flow, inverses);
             }
             if face > places.start {
-                let mut next = [0f32; WIDTH];
                 let fluxes = [&flux[other][..len], &flux[this][..len]];
                 let old = [beside[0], &volumes[other][..len]];
                 self.set_next(&mut next[..len], old, fluxes, [flow[0], flow[1]]);
-                rows.write(face - 1, first, count).copy_from_slice(&next[..count]);
+                let to = rows.write(face - 1, first, columns.len());
+                to.copy_from_slice(&next[..columns.len()]);
             }
         }
     }
@@ -251,7 +336,7 @@ impl Sweep<'_> {
     fn set_line_steps(
         &self,
         steps: &mut [f32],
-        rows: &impl Rows,
+        rows: &Rows<'_>,
         at: usize,
         first: usize,
         face: usize,

@@ -1,14 +1,12 @@
 //! Carrying one volume fraction with the flow: see the module above.
 
-use std::ops::Range;
-
 use super::{
     cells::{Cells, Extent, SLAB, STORED},
-    sweep::{Rows, Sweep},
+    sweep::{LineRoom, RowRoom, Rows, Sweep},
 };
 use crate::solver::flow::{
     engine::Engine,
-    field::{FaceRuns, Largest, Layout, Run, components},
+    field::{BLOCK, FaceRuns, Largest, Layout, components},
 };
 
 /// Sweeps of a part, alternating with the reverse order: what one order does to a profile the
@@ -33,24 +31,37 @@ pub struct Part<'a> {
 
 /// Share of a cell's content that leaves it within a second and a metre of spacing, at most: the
 /// largest, over cells and sweeps of either order, of outflow and of volume lost, so that times
-/// dt / h it must not exceed 1. In m/s.
-pub fn largest_loss_m_s(on: Engine<'_>, layout: &Layout, velocity: [&[f32]; 3]) -> f64 {
+/// dt / h it must not exceed 1. In m/s. Cells further than `reach` from all extents of plane `k`
+/// that `extent(k)` tells are left out.
+pub fn largest_loss_m_s(
+    on: Engine<'_>,
+    layout: &Layout,
+    velocity: [&[f32]; 3],
+    extent: impl Fn(usize) -> Extent + Sync,
+    reach: usize,
+) -> f64 {
     on.pool.max(layout.cells[2], |k| {
+        let nearby = k.saturating_sub(reach)..(k + reach + 1).min(layout.cells[2]);
+        let near = nearby.fold(Extent::default(), |near, k| near.with(extent(k)));
+        let near = near.grown(layout, reach);
+        // Whole blocks cost less than what is left of one: some cells beside are looked at, too.
+        let len = near.columns().len().next_multiple_of(BLOCK);
         let mut largest = Largest::default();
-        on.run(
-            layout,
-            k,
+        on.simd.vectorize(
             #[inline(always)]
-            |Run { at, len, .. }, _| {
-                let FaceRuns { x, y, z } = FaceRuns::new(layout, velocity, at, len);
-                largest.raise(
-                    len,
-                    #[inline(always)]
-                    |i| {
-                        let [x, y, z] = [(x.0[i], x.1[i]), (y.0[i], y.1[i]), (z.0[i], z.1[i])];
-                        larger(worst_of(z, x, y), worst_of(y, x, z))
-                    },
-                );
+            || {
+                for j in near.rows() {
+                    let at = layout.index(near.x[0], j, k);
+                    let FaceRuns { x, y, z } = FaceRuns::new(layout, velocity, at, len);
+                    largest.raise(
+                        len,
+                        #[inline(always)]
+                        |i| {
+                            let [x, y, z] = [(x.0[i], x.1[i]), (y.0[i], y.1[i]), (z.0[i], z.1[i])];
+                            larger(worst_of(z, x, y), worst_of(y, x, z))
+                        },
+                    );
+                }
             },
         );
         largest.get()
@@ -90,7 +101,8 @@ impl<'a> Part<'a> {
                     #[inline(always)]
                     || {
                         let extent = self.sweep_plane(on, k, plane, Extent::load(stored), true);
-                        self.note(extent, plane, stored)
+                        self.note(extent, plane, stored);
+                        extent.cells() as f64
                     },
                 )
             });
@@ -107,12 +119,11 @@ impl<'a> Part<'a> {
         computed / if reverse { 2.0 } else { 1.0 }
     }
 
-    /// Stores what of `extent` is still needed; returns how many cells it had.
+    /// Stores what of `extent` is still needed.
     #[inline(always)]
-    fn note(&self, extent: Extent, plane: &[f32], stored: &mut [f32]) -> f64 {
+    fn note(&self, extent: Extent, plane: &[f32], stored: &mut [f32]) {
         let kept = if self.may_skip { extent.shrunk(self.layout, plane) } else { extent };
         kept.store(stored);
-        extent.cells() as f64
     }
 
     #[inline(always)]
@@ -159,10 +170,10 @@ impl<'a> Part<'a> {
         extent: Extent,
         before: &'a [usize],
     ) {
-        let sweep = self.sweep(on, 0, before);
+        let (sweep, mut room) = (self.sweep(on, 0, before), RowRoom::new());
         for j in extent.rows() {
             let (to, at) = (self.layout.index_in_plane(0, j), self.layout.index(0, j, k));
-            sweep.row(plane, to, at, extent.columns());
+            sweep.row(plane, to, at, extent.columns(), &mut room);
         }
     }
 
@@ -175,10 +186,17 @@ impl<'a> Part<'a> {
         extent: Extent,
         before: &'a [usize],
     ) {
-        let (first, stride) = (extent.x[0], self.layout.strides()[1]);
-        let mut rows = InPlane { start: self.layout.index_in_plane(first, 0), stride, plane };
-        let at = self.layout.index(first, 0, k);
-        self.sweep(on, 1, before).lines(&mut rows, at, extent.columns().len(), extent.rows());
+        let first = extent.x[0];
+        let mut rows = Rows {
+            from: None,
+            to: plane,
+            start: self.layout.index_in_plane(first, 0),
+            first: 0,
+            stride: self.layout.row,
+        };
+        let (at, columns) = (self.layout.index(first, 0, k), extent.columns().len());
+        let sweep = self.sweep(on, 1, before);
+        sweep.lines(&mut rows, at, columns, extent.rows(), &mut LineRoom::new());
     }
 
     /// Sweeps a slab of `from` across its planes into `out`, and before that or after it the
@@ -194,45 +212,37 @@ impl<'a> Part<'a> {
         reverse: bool,
     ) -> f64 {
         let layout = self.layout;
-        let planes = SLAB * slab..(SLAB * (slab + 1)).min(layout.cells[2]);
+        let slab = SLAB * slab..(SLAB * (slab + 1)).min(layout.cells[2]);
         clear(layout, out, stored);
-        let nearby = planes.start.saturating_sub(1)..planes.end + 1;
-        let reach = nearby.fold(Extent::default(), |reach, k| reach.with(from.extent(k)));
-        if reach.is_empty() {
-            return 0.0;
-        }
+        // What a plane holds afterwards came from itself or its neighbours.
+        let near = |k: usize| {
+            let nearby = k.saturating_sub(1)..k + 2;
+            nearby.fold(Extent::default(), |near, k| near.with(from.extent(k)))
+        };
+        let mut full = slab.clone().filter(|k| !near(*k).is_empty());
+        let Some(first) = full.next() else { return 0.0 };
+        let planes = first..full.next_back().unwrap_or(first) + 1;
+        let reach = planes.clone().fold(Extent::default(), |reach, k| reach.with(near(k)));
         let before = if reverse { &ACROSS_LAST[..2] } else { &ACROSS_FIRST[..0] };
-        let sweep = self.sweep(on, 2, before);
+        let (sweep, mut room) = (self.sweep(on, 2, before), LineRoom::new());
         for j in reach.rows() {
             let at = layout.index(reach.x[0], j, 0);
-            let mut rows = Across {
-                from: &from.fraction,
-                at,
-                stride: layout.plane,
+            let mut rows = Rows {
+                from: Some((&from.fraction, at)),
                 to: out,
                 start: layout.index_in_plane(reach.x[0], j),
-                first: planes.start,
+                first: slab.start,
+                stride: layout.plane,
             };
-            sweep.lines(&mut rows, at, reach.columns().len(), planes.clone());
+            sweep.lines(&mut rows, at, reach.columns().len(), planes.clone(), &mut room);
         }
-        self.finish_slab(on, planes, reach, out, stored, reverse)
-    }
-
-    #[inline(always)]
-    fn finish_slab(
-        &self,
-        on: Engine<'a>,
-        planes: Range<usize>,
-        reach: Extent,
-        out: &mut [f32],
-        stored: &mut [f32],
-        reverse: bool,
-    ) -> f64 {
-        let outs = out.chunks_exact_mut(self.layout.plane).zip(stored.chunks_exact_mut(STORED));
+        let outs = out.chunks_exact_mut(layout.plane).zip(stored.chunks_exact_mut(STORED));
         let mut computed = 0.0;
-        for (k, (plane, stored)) in planes.zip(outs) {
-            let extent = if reverse { reach } else { self.sweep_plane(on, k, plane, reach, false) };
-            computed += self.note(extent, plane, stored);
+        for (k, (plane, stored)) in slab.zip(outs).filter(|(k, _)| planes.contains(k)) {
+            let near = near(k);
+            let extent = if reverse { near } else { self.sweep_plane(on, k, plane, near, false) };
+            self.note(extent, plane, stored);
+            computed += reach.with(extent).cells() as f64;
         }
         computed
     }
@@ -245,47 +255,5 @@ fn clear(layout: &Layout, slab: &mut [f32], stored: &mut [f32]) {
     {
         Extent::load(stored).clear(layout, plane);
         Extent::default().store(stored);
-    }
-}
-
-/// Rows of a plane that is swept in place.
-struct InPlane<'a> {
-    plane: &'a mut [f32],
-    start: usize,
-    stride: usize,
-}
-
-impl Rows for InPlane<'_> {
-    #[inline(always)]
-    fn read(&self, p: usize, first: usize, len: usize) -> &[f32] {
-        &self.plane[self.start + p * self.stride + first..][..len]
-    }
-
-    #[inline(always)]
-    fn write(&mut self, p: usize, first: usize, len: usize) -> &mut [f32] {
-        &mut self.plane[self.start + p * self.stride + first..][..len]
-    }
-}
-
-/// Rows of all planes, swept into a slab.
-struct Across<'a> {
-    from: &'a [f32],
-    at: usize,
-    stride: usize,
-    to: &'a mut [f32],
-    start: usize,
-    /// First plane of the slab.
-    first: usize,
-}
-
-impl Rows for Across<'_> {
-    #[inline(always)]
-    fn read(&self, p: usize, first: usize, len: usize) -> &[f32] {
-        &self.from[self.at + p * self.stride + first..][..len]
-    }
-
-    #[inline(always)]
-    fn write(&mut self, p: usize, first: usize, len: usize) -> &mut [f32] {
-        &mut self.to[self.start + (p - self.first) * self.stride + first..][..len]
     }
 }
