@@ -160,19 +160,22 @@ impl Ghosts {
 
     /// Sets what passes the sides, which is all that a divergence needs to know of them.
     pub fn fill_normals(&self, [u, v, w]: &mut Vector) {
+        let layout = &self.layout;
+        let [u, v] = [u, v].map(|u| layout.planes(u).chunks_exact_mut(layout.plane));
+        u.zip(v).enumerate().for_each(|(k, (u, v))| self.fill_normals_in_plane(k, u, v));
+        self.fill_ends(2, w, Fill::Unprojected);
+    }
+
+    /// The same of the sides across x and y, in plane `k` of u and v.
+    pub fn fill_normals_in_plane(&self, k: usize, u: &mut [f32], v: &mut [f32]) {
         let (layout, [nx, ny, _]) = (&self.layout, self.layout.cells);
         let (row, first) = (layout.row, layout.index_in_plane(0, 0) - 1);
-        for (k, plane) in layout.planes(u).chunks_exact_mut(layout.plane).enumerate() {
-            let along_y = Line { start: 0, step: row, len: ny + 2 };
-            let values = (k + 1) * (ny + 2);
-            self.fill_axis(0, 0, plane, nx, (1, 1), along_y, values, Fill::Unprojected);
-        }
-        for (k, plane) in layout.planes(v).chunks_exact_mut(layout.plane).enumerate() {
-            let along_x = Line { start: 0, step: 1, len: nx + 2 };
-            let values = (k + 1) * (nx + 2);
-            self.fill_axis(1, 1, plane, ny, (first, row), along_x, values, Fill::Unprojected);
-        }
-        self.fill_ends(2, w, Fill::Unprojected);
+        let along_y = Line { start: 0, step: row, len: ny + 2 };
+        let values = (k + 1) * (ny + 2);
+        self.fill_axis(0, 0, u, nx, (1, 1), along_y, values, Fill::Unprojected);
+        let along_x = Line { start: 0, step: 1, len: nx + 2 };
+        let values = (k + 1) * (nx + 2);
+        self.fill_axis(1, 1, v, ny, (first, row), along_x, values, Fill::Unprojected);
     }
 
     /// Fills all ghosts of a velocity.
