@@ -16,12 +16,15 @@ use crate::{
         engine::Engine,
         faces::Faces,
         field::{
-            Block, FaceRuns, Field, Layout, Run, Star, Vector, blocks, blocks_mut,
-            components, cut, cut_mut,
+            Block, FaceRuns, Field, Layout, Run, Star, Vector, blocks, blocks_mut, components, cut,
+            cut_mut,
         },
         ghosts::{Fill, Ghosts},
         krylov::Operator,
-        poisson::{Poisson, Room, Source, lanes::{each, subtract}},
+        poisson::{
+            Poisson, Room, Source,
+            lanes::{each, subtract},
+        },
         survey::{Survey, survey_blocks, survey_plane},
     },
 };
@@ -168,7 +171,8 @@ impl Projection {
                     let psi = Star::new(&layout, psi, run.at, run.len);
                     if is_plain && tells {
                         let out = [&mut *x, &mut *y, &mut *z];
-                        return correct_box_and_survey(class, on.faces, run, psi, out, force);
+                        let masks = masks_of_box(&layout, on.faces, run, k);
+                        return correct_box_and_survey(class, masks, run, psi, out, force);
                     }
                     for (c, (u, below)) in
                         [(&mut *x, psi.x.0), (&mut *y, psi.y.0), (&mut *z, psi.z.0)]
@@ -316,24 +320,37 @@ fn correct_box(u: &mut [f32], above: &[f32], below: &[f32]) {
     }
 }
 
+/// What is liquid and what is open in plane `k` of a box. All planes but the lowest are alike:
+/// those of one stay in the nearest cache.
+#[inline(always)]
+fn masks_of_box<'a>(
+    layout: &Layout,
+    faces: &'a Faces,
+    Run { at, len, .. }: Run,
+    k: usize,
+) -> (&'a [Block], [&'a [Block]; 3]) {
+    let at = at - (k - k.min(1)) * layout.plane;
+    let [x, y, z] = &faces.open;
+    (blocks(&faces.liquid, at, len), [blocks(x, at, len), blocks(y, at, len), blocks(z, at, len)])
+}
+
 /// Corrects what is open and surveys it while it is in registers. What is not open is as it was:
 /// faces of the sides have their velocity already.
 #[inline(always)]
 fn correct_box_and_survey(
     class: SimdClass,
-    faces: &Faces,
-    Run { at, to, len }: Run,
+    (is_inside, [open_x, open_y, open_z]): (&[Block], [&[Block]; 3]),
+    Run { to, len, .. }: Run,
     psi: Star<'_>,
     [u, v, w]: [&mut [f32]; 3],
     force: Option<[&[f32]; 3]>,
 ) -> [f64; 4] {
     let (u, v, w) = (blocks_mut(u, to, len), blocks_mut(v, to, len), blocks_mut(w, to, len));
-    let [open_x, open_y, open_z] = [0, 1, 2].map(|c| blocks(&faces.open[c], at, len));
     let [here, x, y, z] = [psi.here, psi.x.0, psi.y.0, psi.z.0].map(|psi| blocks(psi, 0, len));
     let force = force.map(|force| force.map(|f| blocks(f, to, len)));
     survey_blocks(
         class,
-        blocks(&faces.liquid, at, len),
+        is_inside,
         force,
         #[inline(always)]
         |b| {
