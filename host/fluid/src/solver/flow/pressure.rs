@@ -314,6 +314,8 @@ fn set_residual(
 
 #[inline(always)]
 fn correct_box(u: &mut [f32], above: &[f32], below: &[f32]) {
+    // Cut once more: what comes out of an array has lost its length.
+    let (above, below) = (cut(above, 0, u.len()), cut(below, 0, u.len()));
     for i in 0..u.len() {
         let next = u[i] - (above[i] - below[i]);
         u[i] = if next.abs() < REST_M_S { 0.0 } else { next };

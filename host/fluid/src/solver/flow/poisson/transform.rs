@@ -106,7 +106,7 @@ impl Transform {
         };
         let half = self.points / 2;
         let (low, high) = folded.split_at_mut(self.points - half);
-        low[half..].copy_from_slice(&values[half..self.points - half]);
+        low[half..].iter_mut().for_each(|middle| *middle = values[half]);
         butterfly([&values[..half], &values[self.points - half..]], [&mut low[..half], high]);
         for range in inner {
             butterfly_in_place(&mut folded[range.clone()]);
@@ -127,7 +127,7 @@ impl Transform {
         }
         let half = self.points / 2;
         let (low, high) = values.split_at_mut(self.points - half);
-        low[half..].copy_from_slice(&folded[half..self.points - half]);
+        low[half..].iter_mut().for_each(|middle| *middle = folded[half]);
         butterfly([&folded[..half], &folded[self.points - half..]], [&mut low[..half], high]);
     }
 
