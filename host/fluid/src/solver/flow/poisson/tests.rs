@@ -1,7 +1,7 @@
 //! The solver against its operator, for all kinds of ends.
 
 use super::{
-    Modal, Poisson, Room, Unknowns,
+    Modal, Poisson, Room, Stored, Unknowns,
     basis::{End, Ends},
 };
 use crate::{

@@ -169,6 +169,11 @@ impl Part {
 fn butterfly(from: [&[f32]; 2], to: [&mut [f32]; 2]) {
     let ([low, high], [sums, differences]) = (from, to);
     let half = low.len();
+    if half == 16 {
+        // That of 32 points, a whole block: where it is looked for takes longer than all else.
+        butterfly_block::<16>([low, high], [sums, differences]);
+        return;
+    }
     let mut at = 0;
     while at < half {
         let (from, to) =
