@@ -101,8 +101,8 @@ pub fn survey_blocks(
     let mut tally = Tally::default();
     match force {
         None => {
-            for b in 0..is_inside.len() {
-                tally.count(class, is_inside[b], velocity(b), None);
+            for (b, is_inside) in is_inside.iter().enumerate() {
+                tally.count(class, *is_inside, velocity(b), None);
             }
         }
         Some([x, y, z]) => {
