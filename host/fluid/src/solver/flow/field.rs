@@ -92,9 +92,10 @@ impl Layout {
         [j + ny * k, i + nx * k, i + self.row * j][axis]
     }
 
-    /// A field of zeros.
+    /// A field of zeros. The first cell of every plane begins a cache line: a run over whole
+    /// planes, and its neighbours along z, then cross none.
     pub fn zeros(&self) -> Field {
-        Field::zeros(self.plane * (self.cells[2] + 2))
+        Field::aligned_at(self.index(0, 0, 0), self.plane * (self.cells[2] + 2))
     }
 
     /// A vector field of zeros.
@@ -113,7 +114,7 @@ pub fn vector_bytes(vector: &[Field; 3]) -> usize {
     vector.iter().map(Field::bytes).sum()
 }
 
-/// Values in memory that starts at a cache line.
+/// Values in memory, placed by the lines of the cache.
 #[derive(Debug)]
 pub struct Field {
     store: Vec<f32>,
@@ -135,11 +136,17 @@ impl Field {
 
     /// `len` zeros.
     pub fn zeros(len: usize) -> Self {
+        Self::aligned_at(0, len)
+    }
+
+    /// `len` zeros, of which that at index `aligned` begins a cache line.
+    fn aligned_at(aligned: usize, len: usize) -> Self {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let stagger = COUNT.fetch_add(1, Ordering::Relaxed) % STAGGERS * STAGGER;
         let store = vec![0.0; len + stagger + BLOCK];
         // The heap block of a vector that never grows stays where it is.
-        let start = store.as_ptr().align_offset(64).min(BLOCK) + stagger;
+        let line = store.as_ptr().align_offset(64).min(BLOCK);
+        let start = (line + BLOCK - aligned % BLOCK) % BLOCK + stagger;
         Self { store, start, len }
     }
 }
@@ -179,6 +186,21 @@ pub fn cut(field: &[f32], at: usize, len: usize) -> &[f32] {
 #[inline(always)]
 pub fn cut_mut(field: &mut [f32], at: usize, len: usize) -> &mut [f32] {
     &mut field[at..][..len]
+}
+
+/// Values that a kernel may take into registers as one.
+pub type Block = [f32; BLOCK];
+
+/// As [`cut`], in whole blocks.
+#[inline(always)]
+pub fn blocks(field: &[f32], at: usize, len: usize) -> &[Block] {
+    cut(field, at, len).as_chunks().0
+}
+
+/// As [`blocks`], to write to.
+#[inline(always)]
+pub fn blocks_mut(field: &mut [f32], at: usize, len: usize) -> &mut [Block] {
+    cut_mut(field, at, len).as_chunks_mut().0
 }
 
 /// A run of a padded array with its six neighbours.
@@ -282,17 +304,6 @@ impl Lanes {
         }
     }
 
-    /// Adds all `share[i] * a[i] * b[i]`; all are of one length, whole blocks.
-    #[inline(always)]
-    pub fn add_shared_product(&mut self, share: &[f32], a: &[f32], b: &[f32]) {
-        let pairs = a.as_chunks::<BLOCK>().0.iter().zip(b.as_chunks::<BLOCK>().0);
-        for (share, (a, b)) in share.as_chunks::<BLOCK>().0.iter().zip(pairs) {
-            for lane in 0..BLOCK {
-                self.0[lane] += share[lane] * a[lane] * b[lane];
-            }
-        }
-    }
-
     /// Adds all `weight[i] * a[i] * b[i]`; all are of one length.
     #[inline(always)]
     pub fn add_weighted(&mut self, weight: &[f32], a: &[f32], b: &[f32]) {
@@ -352,9 +363,14 @@ mod tests {
     }
 
     #[test]
-    fn fields_start_at_a_cache_line() {
+    fn fields_and_the_cells_of_a_plane_start_at_a_cache_line() {
         assert_eq!(Field::zeros(100).as_ptr().align_offset(64), 0);
         assert_eq!(Field::zeros(100).len(), 100);
+        let layout = Layout::new([9, 5, 3]);
+        let field = layout.zeros();
+        for k in 0..3 {
+            assert_eq!(field[layout.index(0, 0, k)..].as_ptr().align_offset(64), 0);
+        }
     }
 
     #[test]

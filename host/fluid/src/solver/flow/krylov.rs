@@ -13,7 +13,7 @@ use crate::solver::flow::{
     faces::{Faces, VesselFaces},
     field::{FaceRuns, Field, Lanes, Layout, Run, Star, components, cut, cut_mut},
     ghosts::Ghosts,
-    poisson::Poisson,
+    poisson::{Poisson, Stored},
 };
 
 /// The residual may fall to this part of what it was, of liquid of one density and of more: that
@@ -118,10 +118,10 @@ impl Engine<'_> {
         [z, work]: [&mut Field; 2],
     ) -> f64 {
         match root {
-            None => poisson.solve(self.pool, self.simd, r, z),
+            None => poisson.solve(self.pool, self.simd, Stored(layout, r), z),
             Some(root) => {
                 self.scale(layout, root, r, work);
-                poisson.solve(self.pool, self.simd, work, z);
+                poisson.solve(self.pool, self.simd, Stored(layout, work), z);
             }
         }
         self.pool.planes_sum([layout.planes(z)], [layout.plane], |k, [z]| {

@@ -10,7 +10,7 @@
 
 pub mod basis;
 mod column;
-mod lanes;
+pub mod lanes;
 mod product;
 mod transform;
 
@@ -23,7 +23,7 @@ use self::{
 use crate::{
     pool::Pool,
     simd::SimdClass,
-    solver::flow::field::{Field, Layout},
+    solver::flow::field::{BLOCK, Field, Layout, cut},
 };
 
 /// Values in a row of modes are a multiple of this.
@@ -55,16 +55,30 @@ impl Poisson {
         self.modal.bytes() + self.room.modes.bytes() + self.room.scratch.bytes()
     }
 
-    /// Solves in place: `psi` is a padded array that comes in as the right-hand side.
-    pub fn solve_in_place(&mut self, pool: &Pool, simd: SimdClass, psi: &mut Field) {
-        self.modal.solve_in_place(pool, simd, &mut self.room, psi);
-    }
-
-    /// Solves for `psi`; both are padded arrays.
-    pub fn solve(&mut self, pool: &Pool, simd: SimdClass, rhs: &[f32], psi: &mut Field) {
+    /// Solves for `psi`, a padded array.
+    pub fn solve(&mut self, pool: &Pool, simd: SimdClass, rhs: impl Source, psi: &mut Field) {
         self.modal.transform(pool, simd, &mut self.room, rhs);
         self.modal.solve_columns(pool, simd, &mut self.room);
         self.modal.transform_back(pool, simd, &mut self.room, psi);
+    }
+}
+
+/// A right-hand side, which is asked for plane by plane.
+pub trait Source: Sync {
+    /// Plane `k` of a padded array; `room` is as large, for what is stored nowhere else. To be
+    /// `#[inline(always)]`.
+    fn plane<'a>(&'a self, k: usize, room: &'a mut [f32]) -> &'a [f32];
+}
+
+/// A padded array, as it is.
+#[derive(Clone, Copy)]
+pub struct Stored<'a>(pub &'a Layout, pub &'a [f32]);
+
+impl Source for Stored<'_> {
+    #[inline(always)]
+    fn plane<'a>(&'a self, k: usize, _room: &'a mut [f32]) -> &'a [f32] {
+        let Self(layout, values) = self;
+        cut(values, (k + 1) * layout.plane, layout.plane)
     }
 }
 
@@ -82,7 +96,7 @@ pub struct Room {
     threads: usize,
     /// All modes, by z, y mode and x mode.
     modes: Field,
-    /// Two planes for each thread.
+    /// Two planes of modes and a padded one for each thread.
     scratch: Field,
 }
 
@@ -101,7 +115,8 @@ impl Room {
             }
         };
         grow(&mut self.modes, nz * modal.plane);
-        grow(&mut self.scratch, self.threads * 2 * ny * modal.x.len);
+        let share = 2 * ny * modal.x.len + modal.layout.plane;
+        grow(&mut self.scratch, self.threads * share.next_multiple_of(BLOCK));
     }
 }
 
@@ -156,12 +171,12 @@ impl Modal {
 
     /// Solves in place: `psi` is a padded array that comes in as the right-hand side.
     pub fn solve_in_place(&self, pool: &Pool, simd: SimdClass, room: &mut Room, psi: &mut Field) {
-        self.transform(pool, simd, room, psi);
+        self.transform(pool, simd, room, Stored(&self.layout, psi));
         self.solve_columns(pool, simd, room);
         self.transform_back(pool, simd, room, psi);
     }
 
-    fn transform(&self, pool: &Pool, simd: SimdClass, room: &mut Room, rhs: &[f32]) {
+    fn transform(&self, pool: &Pool, simd: SimdClass, room: &mut Room, rhs: impl Source) {
         let (layout, x, y) = (self.layout, &self.x, &self.y);
         let (ny, [i0, j0, k0]) = (self.unknowns.count[1], self.unknowns.first);
         let modes = &mut room.modes[..self.unknowns.count[2] * self.plane];
@@ -169,9 +184,11 @@ impl Modal {
             simd.vectorize_as(
                 #[inline(always)]
                 |class| {
-                    let (folded, rows) = work[..2 * ny * x.len].split_at_mut(ny * x.len);
+                    let (folded, work) = work.split_at_mut(ny * x.len);
+                    let (rows, room) = work.split_at_mut(ny * x.len);
+                    let rhs = rhs.plane(k0 + k, &mut room[..layout.plane]);
                     for (j, folded) in folded.chunks_exact_mut(x.len).enumerate() {
-                        x.fold(&rhs[layout.index(i0, j0 + j, k0 + k)..], folded);
+                        x.fold(&rhs[layout.index_in_plane(i0, j0 + j)..], folded);
                     }
                     y.fold_rows(folded, x.len);
                     for part in &x.parts {

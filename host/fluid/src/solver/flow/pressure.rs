@@ -10,15 +10,22 @@
 
 use crate::{
     pool::Pool,
+    simd::SimdClass,
     solver::flow::{
         density::Density,
         engine::Engine,
         faces::Faces,
-        field::{FaceRuns, Field, Layout, Run, Star, Vector, components, cut, cut_mut},
+        field::{
+            Block, FaceRuns, Field, Layout, Run, Star, Vector, blocks, blocks_mut, components, cut,
+            cut_mut,
+        },
         ghosts::{Fill, Ghosts},
         krylov::Operator,
-        poisson::{Poisson, Room},
-        survey::{Survey, survey_plane},
+        poisson::{
+            Poisson, Room, Source,
+            lanes::{each, subtract},
+        },
+        survey::{Survey, survey_blocks, survey_plane},
     },
 };
 
@@ -110,12 +117,12 @@ impl Projection {
         let operator = Operator::new(on.faces, density);
         let iterations = match operator.zip(krylov.as_mut()) {
             Some((operator, krylov)) => {
-                let squares = set_residual(on, layout, components(velocity), &mut krylov[0], true);
+                let squares = set_residual(on, layout, components(velocity), &mut krylov[0]);
                 on.iterate((layout, ghosts), poisson, operator, psi, krylov, squares)
             }
             None => {
-                set_residual(on, layout, components(velocity), psi, false);
-                poisson.solve_in_place(on.pool, on.simd, psi);
+                let inflow = Inflow { on, layout, velocity: components(velocity) };
+                poisson.solve(on.pool, on.simd, inflow, psi);
                 0
             }
         };
@@ -151,23 +158,36 @@ impl Projection {
             }
             let rows = if rows.end == ny { rows.start..ny + beyond } else { rows };
             let run = layout.run(rows, k);
-            on.simd.vectorize(
+            let force = match telling {
+                Telling::All(force) => force,
+                Telling::Nothing => None,
+            };
+            let force = force.map(|force| force.map(|f| &f[(k + 1) * layout.plane..]));
+            let tells = matches!(telling, Telling::All(_));
+            let is_plain = on.faces.is_box && density.is_none();
+            let survey = on.simd.vectorize_as(
                 #[inline(always)]
-                || {
+                |class| {
                     let psi = Star::new(&layout, psi, run.at, run.len);
+                    if is_plain && tells {
+                        let out = [&mut *x, &mut *y, &mut *z];
+                        let masks = masks_of_box(&layout, on.faces, run, k);
+                        return correct_box_and_survey(class, masks, run, psi, out, force);
+                    }
                     for (c, (u, below)) in
                         [(&mut *x, psi.x.0), (&mut *y, psi.y.0), (&mut *z, psi.z.0)]
                             .into_iter()
                             .enumerate()
                     {
                         let u = cut_mut(u, run.to, run.len);
-                        if on.faces.is_box && density.is_none() {
+                        if is_plain {
                             correct_box(u, psi.here, below);
                         } else {
                             let lightness = cut(&lightness[c], run.at, run.len);
                             correct_open(u, lightness, psi.here, below);
                         }
                     }
+                    [0.0; 4]
                 },
             );
             let mut planes = [x, y, z];
@@ -177,8 +197,9 @@ impl Projection {
             if k == 0 {
                 ghosts.set_floor(planes[2]);
             }
-            let Telling::All(force) = telling else { return [0.0; 4] };
-            let force = force.map(|force| force.map(|f| &f[(k + 1) * layout.plane..]));
+            if is_plain || !tells {
+                return survey;
+            }
             survey_plane(on, &layout, planes.map(|plane| &*plane), force, mass, k)
         };
         let parts = on.pool.fold(None, outs, [layout.plane; 3], body, Survey::combine);
@@ -227,13 +248,34 @@ pub fn masses<'a>(faces: &'a Faces, density: Option<&'a Density>) -> Option<&'a 
     density.map(|density| &density.mass).or_else(area)
 }
 
-/// residual = -delta; returns, if it measures, its squared norm and that of the velocity.
+/// -delta in a box.
+struct Inflow<'a> {
+    on: Engine<'a>,
+    layout: &'a Layout,
+    velocity: [&'a [f32]; 3],
+}
+
+impl Source for Inflow<'_> {
+    #[inline(always)]
+    fn plane<'a>(&'a self, k: usize, room: &'a mut [f32]) -> &'a [f32] {
+        let Self { on, layout, velocity } = self;
+        if let Some(Run { at, to, len }) = on.live_run(layout, k) {
+            let (out, faces) = (cut_mut(room, to, len), FaceRuns::new(layout, *velocity, at, len));
+            // A loop: the library's `for_each` would not be compiled for wide vectors.
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = -faces.outflow(i);
+            }
+        }
+        room
+    }
+}
+
+/// residual = -delta; returns its squared norm and that of the velocity.
 fn set_residual(
     on: Engine<'_>,
     layout: &Layout,
     velocity: [&[f32]; 3],
     residual: &mut Field,
-    measures: bool,
 ) -> [f64; 2] {
     let body = |k, [out]: [&mut [f32]; 1]| {
         on.run(
@@ -253,21 +295,14 @@ fn set_residual(
                         let swell = cut(&solids.swell, at, len);
                         (0..out.len()).for_each(|i| out[i] -= liquid[i] * swell[i]);
                     }
-                    sums[0].add_product(out, out);
-                    faces.add_squares(&mut sums[1]);
-                } else if measures {
+                } else {
                     let liquid = cut(&on.faces.liquid, at, len);
                     for i in 0..out.len() {
                         out[i] = -liquid[i] * faces.outflow(i);
                     }
-                    sums[0].add_product(out, out);
-                    faces.add_squares(&mut sums[1]);
-                } else {
-                    // A loop: the library's `for_each` would not be compiled for wide vectors.
-                    for (i, out) in out.iter_mut().enumerate() {
-                        *out = -faces.outflow(i);
-                    }
                 }
+                sums[0].add_product(out, out);
+                faces.add_squares(&mut sums[1]);
             },
         )
     };
@@ -279,10 +314,65 @@ fn set_residual(
 
 #[inline(always)]
 fn correct_box(u: &mut [f32], above: &[f32], below: &[f32]) {
+    // Cut once more: what comes out of an array has lost its length.
+    let (above, below) = (cut(above, 0, u.len()), cut(below, 0, u.len()));
     for i in 0..u.len() {
         let next = u[i] - (above[i] - below[i]);
         u[i] = if next.abs() < REST_M_S { 0.0 } else { next };
     }
+}
+
+/// What is liquid and what is open in plane `k` of a box. All planes but the lowest are alike:
+/// those of one stay in the nearest cache.
+#[inline(always)]
+fn masks_of_box<'a>(
+    layout: &Layout,
+    faces: &'a Faces,
+    Run { at, len, .. }: Run,
+    k: usize,
+) -> (&'a [Block], [&'a [Block]; 3]) {
+    let at = at - (k - k.min(1)) * layout.plane;
+    let [x, y, z] = &faces.open;
+    (blocks(&faces.liquid, at, len), [blocks(x, at, len), blocks(y, at, len), blocks(z, at, len)])
+}
+
+/// Corrects what is open and surveys it while it is in registers. What is not open is as it was:
+/// faces of the sides have their velocity already.
+#[inline(always)]
+fn correct_box_and_survey(
+    class: SimdClass,
+    (is_inside, [open_x, open_y, open_z]): (&[Block], [&[Block]; 3]),
+    Run { to, len, .. }: Run,
+    psi: Star<'_>,
+    [u, v, w]: [&mut [f32]; 3],
+    force: Option<[&[f32]; 3]>,
+) -> [f64; 4] {
+    let (u, v, w) = (blocks_mut(u, to, len), blocks_mut(v, to, len), blocks_mut(w, to, len));
+    let [here, x, y, z] = [psi.here, psi.x.0, psi.y.0, psi.z.0].map(|psi| blocks(psi, 0, len));
+    let force = force.map(|force| force.map(|f| blocks(f, to, len)));
+    survey_blocks(
+        class,
+        is_inside,
+        force,
+        #[inline(always)]
+        |b| {
+            u[b] = corrected(u[b], open_x[b], subtract(here[b], x[b]));
+            v[b] = corrected(v[b], open_y[b], subtract(here[b], y[b]));
+            w[b] = corrected(w[b], open_z[b], subtract(here[b], z[b]));
+            [u[b], v[b], w[b]]
+        },
+    )
+}
+
+#[inline(always)]
+fn corrected(u: Block, open: Block, rise: Block) -> Block {
+    each(
+        #[inline(always)]
+        |i| {
+            let next = u[i] - open[i] * rise[i];
+            if next.abs() < REST_M_S { 0.0 } else { next }
+        },
+    )
 }
 
 #[inline(always)]

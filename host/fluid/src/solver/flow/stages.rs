@@ -123,14 +123,20 @@ impl Flow {
                 #[inline(always)]
                 |class| part.compute(class),
             );
-            if !faces.is_box {
-                let rates = Weights::of(terms, 1.0);
-                hold(on, stage, k, run, Weights::of(terms, advance.new_s), [x, y, z]);
-                correct(on, stage, k, rates, [gx, gy, gz]);
+            if faces.is_box {
+                ghosts.fill_normals_in_plane(k, x, y);
+                return;
             }
+            let rates = Weights::of(terms, 1.0);
+            hold(on, stage, k, run, Weights::of(terms, advance.new_s), [x, y, z]);
+            correct(on, stage, k, rates, [gx, gy, gz]);
         });
-        faces.hold(out);
-        ghosts.fill_normals(out);
+        if faces.is_box {
+            ghosts.fill_ends(2, &mut out[2], Fill::Unprojected);
+        } else {
+            faces.hold(out);
+            ghosts.fill_normals(out);
+        }
         mem::swap(velocity, out);
     }
 

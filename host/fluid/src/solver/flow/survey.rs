@@ -1,8 +1,12 @@
 //! All that a step decides on and reports, in one pass over the velocity.
 
-use crate::solver::flow::{
-    engine::Engine,
-    field::{Largest, Layout, Run, Vector, cut},
+use crate::{
+    simd::SimdClass,
+    solver::flow::{
+        engine::Engine,
+        field::{BLOCK, Block, Largest, Layout, Run, Vector, blocks, cut},
+        poisson::lanes::{add, multiply_add, times},
+    },
 };
 
 /// What a survey found. Energies are per density and cell volume.
@@ -45,6 +49,71 @@ impl Survey {
     }
 }
 
+/// What a survey adds up block by block, ghosts and all.
+#[derive(Default)]
+struct Tally {
+    squares: Block,
+    power: Block,
+    /// As bits: those of positive floats are in their order.
+    speeds: [u32; BLOCK],
+}
+
+impl Tally {
+    /// Adds one block; what `is_inside` is 0 for is not counted.
+    #[inline(always)]
+    fn count(
+        &mut self,
+        class: SimdClass,
+        is_inside: Block,
+        [u, v, w]: [Block; 3],
+        force: Option<[Block; 3]>,
+    ) {
+        let (u, v, w) = (times(is_inside, u), times(is_inside, v), times(is_inside, w));
+        let squares = multiply_add(class, w, w, multiply_add(class, v, v, times(u, u)));
+        self.squares = add(self.squares, squares);
+        for i in 0..BLOCK {
+            self.speeds[i] = self.speeds[i].max((u[i].abs() + v[i].abs() + w[i].abs()).to_bits());
+        }
+        if let Some([x, y, z]) = force {
+            let power = multiply_add(class, w, z, multiply_add(class, v, y, times(u, x)));
+            self.power = add(self.power, power);
+        }
+    }
+
+    /// The part of a survey that it makes.
+    #[inline(always)]
+    fn part(&self) -> [f64; 4] {
+        let sum = |block: &Block| block.iter().fold(0.0, |sum, lane| sum + f64::from(*lane));
+        let speed = self.speeds.iter().fold(0, |largest, speed| largest.max(*speed));
+        [sum(&self.squares), f64::from(f32::from_bits(speed)), sum(&self.power), 0.0]
+    }
+}
+
+/// Surveys a run, block by block, of the velocity that `velocity(b)` gives; `is_inside` is 1 in
+/// cells, 0 in the ghosts beyond the sides, which are not to be counted.
+#[inline(always)]
+pub fn survey_blocks(
+    class: SimdClass,
+    is_inside: &[Block],
+    force: Option<[&[Block]; 3]>,
+    mut velocity: impl FnMut(usize) -> [Block; 3],
+) -> [f64; 4] {
+    let mut tally = Tally::default();
+    match force {
+        None => {
+            for (b, is_inside) in is_inside.iter().enumerate() {
+                tally.count(class, *is_inside, velocity(b), None);
+            }
+        }
+        Some([x, y, z]) => {
+            for b in 0..is_inside.len() {
+                tally.count(class, is_inside[b], velocity(b), Some([x[b], y[b], z[b]]));
+            }
+        }
+    }
+    tally.part()
+}
+
 /// Surveys plane `k` of a velocity and a force.
 pub fn survey_plane(
     on: Engine<'_>,
@@ -54,51 +123,43 @@ pub fn survey_plane(
     mass: Option<&Vector>,
     k: usize,
 ) -> [f64; 4] {
-    let mut speed = Largest::default();
-    let [squares, power, ..] = match mass {
-        None => on.run(
-            layout,
-            k,
+    let Some(mass) = mass else {
+        let Some(Run { at, to, len }) = on.live_run(layout, k) else { return [0.0; 4] };
+        return on.simd.vectorize_as(
             #[inline(always)]
-            |Run { at, to, len }, [squares, power]| {
-                // Beyond the sides there are ghosts, which are not to be counted.
-                let is_inside = cut(&on.faces.liquid, at, len);
-                let [u, v, w] = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
-                speed.raise(
-                    len,
+            |class| {
+                let (x, y, z) = (blocks(x, to, len), blocks(y, to, len), blocks(z, to, len));
+                let force = force.map(|force| force.map(|f| blocks(f, to, len)));
+                survey_blocks(
+                    class,
+                    blocks(&on.faces.liquid, at, len),
+                    force,
                     #[inline(always)]
-                    |i| is_inside[i] * (u[i].abs() + v[i].abs() + w[i].abs()),
-                );
-                for u in [u, v, w] {
-                    squares.add_shared_product(is_inside, u, u);
-                }
-                if let Some(force) = force {
-                    for (u, f) in [u, v, w].into_iter().zip(force) {
-                        power.add_shared_product(is_inside, u, cut(f, to, len));
-                    }
-                }
+                    |b| [x[b], y[b], z[b]],
+                )
             },
-        ),
-        Some(mass) => on.rows(
-            layout,
-            k,
-            #[inline(always)]
-            |Run { at, to, len }, [squares, power]| {
-                let [u, v, w] = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
-                speed.raise(
-                    len,
-                    #[inline(always)]
-                    |i| u[i].abs() + v[i].abs() + w[i].abs(),
-                );
-                for (c, u) in [u, v, w].into_iter().enumerate() {
-                    let mass = cut(&mass[c], at, len);
-                    squares.add_weighted(mass, u, u);
-                    if let Some(force) = force {
-                        power.add_weighted(mass, u, cut(force[c], to, len));
-                    }
-                }
-            },
-        ),
+        );
     };
+    let mut speed = Largest::default();
+    let [squares, power, ..] = on.rows(
+        layout,
+        k,
+        #[inline(always)]
+        |Run { at, to, len }, [squares, power]| {
+            let [u, v, w] = [cut(x, to, len), cut(y, to, len), cut(z, to, len)];
+            speed.raise(
+                len,
+                #[inline(always)]
+                |i| u[i].abs() + v[i].abs() + w[i].abs(),
+            );
+            for (c, u) in [u, v, w].into_iter().enumerate() {
+                let mass = cut(&mass[c], at, len);
+                squares.add_weighted(mass, u, u);
+                if let Some(force) = force {
+                    power.add_weighted(mass, u, cut(force[c], to, len));
+                }
+            }
+        },
+    );
     [squares, speed.get(), power, 0.0]
 }

@@ -81,16 +81,18 @@ fn tile<const R: usize, const V: usize, const L: usize>(
         let (row, rest) = a.0[r * a.1..][..inner].split_at(whole * STEPS);
         (rows[r], rests[r]) = (&row.as_chunks().0[..whole], &rest[..inner - whole * STEPS]);
     }
+    // One check for each row: an index would take several and a product.
+    let mut rows_of_b = b.0.chunks(b.1);
     for k in 0..whole {
         for step in 0..STEPS {
-            let b = &b.0[(k * STEPS + step) * b.1..][..V * L];
+            let Some(b) = rows_of_b.next().and_then(first_blocks) else { return R };
             for r in 0..R {
                 add_row(class, rows[r][k][step], b, &mut sums[r]);
             }
         }
     }
     for k in 0..inner - whole * STEPS {
-        let b = &b.0[(whole * STEPS + k) * b.1..][..V * L];
+        let Some(b) = rows_of_b.next().and_then(first_blocks) else { return R };
         for r in 0..R {
             add_row(class, rests[r][k], b, &mut sums[r]);
         }
@@ -101,17 +103,21 @@ fn tile<const R: usize, const V: usize, const L: usize>(
     R
 }
 
+#[inline(always)]
+fn first_blocks<const V: usize, const L: usize>(row: &[f32]) -> Option<&[[f32; L]; V]> {
+    row.as_chunks().0.first_chunk()
+}
+
 /// sums += a b.
 #[inline(always)]
 fn add_row<const V: usize, const L: usize>(
     class: SimdClass,
     a: f32,
-    b: &[f32],
+    b: &[[f32; L]; V],
     sums: &mut [[f32; L]; V],
 ) {
     for v in 0..V {
-        let Some(b) = b[v * L..].first_chunk::<L>() else { return };
-        sums[v] = multiply_add(class, [a; L], *b, sums[v]);
+        sums[v] = multiply_add(class, [a; L], b[v], sums[v]);
     }
 }
 

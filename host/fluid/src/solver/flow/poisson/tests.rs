@@ -1,7 +1,7 @@
 //! The solver against its operator, for all kinds of ends.
 
 use super::{
-    Modal, Poisson, Room, Unknowns,
+    Modal, Poisson, Room, Stored, Unknowns,
     basis::{End, Ends},
 };
 use crate::{
@@ -112,8 +112,9 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 
 fn solve(pool: &Pool, simd: SimdClass, size: [usize; 3], ends: [Ends; 3]) -> (Layout, Field) {
     let layout = Layout::new(size);
-    let mut psi = padded(&layout, &right_hand_side(size, ends));
-    Poisson::new(&layout, ends, pool.threads()).solve_in_place(pool, simd, &mut psi);
+    let (rhs, mut psi) = (padded(&layout, &right_hand_side(size, ends)), layout.zeros());
+    let mut poisson = Poisson::new(&layout, ends, pool.threads());
+    poisson.solve(pool, simd, Stored(&layout, &rhs), &mut psi);
     (layout, psi)
 }
 
@@ -186,8 +187,8 @@ fn solving_in_place_is_solving_and_leaves_the_padding_alone() {
     let rhs = padded(&layout, &right_hand_side(layout.cells, ENDS[0]));
     let mut poisson = Poisson::new(&layout, ENDS[0], 1);
     let (mut psi, mut in_place) = (layout.zeros(), padded(&layout, &unpadded(&layout, &rhs)));
-    poisson.solve(&pool, simd, &rhs, &mut psi);
-    poisson.solve_in_place(&pool, simd, &mut in_place);
+    poisson.solve(&pool, simd, Stored(&layout, &rhs), &mut psi);
+    poisson.modal.solve_in_place(&pool, simd, &mut poisson.room, &mut in_place);
     assert_eq!(psi[..], in_place[..]);
     let inside: f32 = unpadded(&layout, &psi).iter().map(|v| v.abs() as f32).sum();
     let all: f32 = psi.iter().map(|v| v.abs()).sum();

@@ -22,8 +22,12 @@ use super::{
 /// Values that are folded together.
 const BLOCK: usize = 8;
 
-/// Halves of a half have at least this many values, so that a tile of the product is filled.
-const MIN_PART: usize = 16;
+/// Halves of a half have at least this many values, so that a tile of the product is filled
+/// where they are its columns ...
+const MIN_COLUMNS: usize = 16;
+
+/// ... and where they are its rows, as they are if parts are not padded.
+const MIN_ROWS: usize = 8;
 
 /// Tables for one axis.
 pub struct Transform {
@@ -70,7 +74,8 @@ impl Transform {
         let points = modes.len();
         let [even, odd] = [false, true]
             .map(|is_odd| modes.iter().filter_map(|m| m.fold(is_odd)).collect::<Vec<_>>());
-        let is_whole = points.is_multiple_of(2 * BLOCK) && points >= 2 * MIN_PART;
+        let least = if pad > 1 { MIN_COLUMNS } else { MIN_ROWS };
+        let is_whole = points.is_multiple_of(2 * BLOCK) && points >= 2 * least;
         let may_fold = points > 1 && (self.folds.is_empty() || is_whole);
         if may_fold && even.len() + odd.len() == points {
             self.folds.push(from..from + points);
@@ -101,7 +106,7 @@ impl Transform {
         };
         let half = self.points / 2;
         let (low, high) = folded.split_at_mut(self.points - half);
-        low[half..].copy_from_slice(&values[half..self.points - half]);
+        low[half..].iter_mut().for_each(|middle| *middle = values[half]);
         butterfly([&values[..half], &values[self.points - half..]], [&mut low[..half], high]);
         for range in inner {
             butterfly_in_place(&mut folded[range.clone()]);
@@ -122,7 +127,7 @@ impl Transform {
         }
         let half = self.points / 2;
         let (low, high) = values.split_at_mut(self.points - half);
-        low[half..].copy_from_slice(&folded[half..self.points - half]);
+        low[half..].iter_mut().for_each(|middle| *middle = folded[half]);
         butterfly([&folded[..half], &folded[self.points - half..]], [&mut low[..half], high]);
     }
 
@@ -164,6 +169,11 @@ impl Part {
 fn butterfly(from: [&[f32]; 2], to: [&mut [f32]; 2]) {
     let ([low, high], [sums, differences]) = (from, to);
     let half = low.len();
+    if half == 16 {
+        // That of 32 points, a whole block: where it is looked for takes longer than all else.
+        butterfly_block::<16>([low, high], [sums, differences]);
+        return;
+    }
     let mut at = 0;
     while at < half {
         let (from, to) =
