@@ -148,7 +148,7 @@ impl Substances {
 
     /// Takes all substances away.
     pub fn clear(&mut self) {
-        self.stamp = mixture::next_stamp();
+        self.stamp = next_stamp();
         for substance in &mut self.all {
             substance.cells.clear();
             substance.highest = 0.0;
