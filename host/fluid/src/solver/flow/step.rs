@@ -29,6 +29,10 @@ const WORK_SLACK: f64 = 0.05;
 /// Part by which the work of obstacles may be more: it is known by the mean force on them.
 const STIR_SLACK: f64 = 0.1;
 
+/// Rounds in which what forces did and what is left of a flow are fitted to each other: each halves
+/// the orders of magnitude that are missing.
+const GUARD_ROUNDS: u32 = 12;
+
 /// A step that leaves less than this part of the energy ends the flow whose pressure is known.
 const LITTLE_LEFT: f64 = 0.1;
 
@@ -237,23 +241,29 @@ impl Flow {
         // The drive of a mixture has the scale in it.
         let scale = 0.5 * (self.force_scale[0] + self.force_scale[1]);
         let push_s = if self.mixture.is_some() { dt_s } else { dt_s * scale };
-        let mean_m2_s3 = 0.5 * (before.power_m2_s3 + after.power_m2_s3);
-        // What is heavier is carried, and falls, with the velocity after the step; a multistep
-        // part follows what is poured to its middle.
-        let power_m2_s3 = match &self.mixture {
-            Some(_) => mean_m2_s3.max(after.power_m2_s3) + WORK_SLACK * mean_m2_s3.abs(),
-            None => mean_m2_s3,
+        let is_mixed = self.mixture.is_some();
+        // If so much of the velocity after the step is left.
+        let work_by = |share: f64| {
+            let after_m2_s3 = share * after.power_m2_s3;
+            let mean_m2_s3 = 0.5 * (before.power_m2_s3 + after_m2_s3);
+            // What is heavier is carried, and falls, with the velocity after the step; a multistep
+            // part follows what is poured to its middle.
+            let mixed_m2_s3 = || mean_m2_s3.max(after_m2_s3) + WORK_SLACK * mean_m2_s3.abs();
+            push_s * if is_mixed { mixed_m2_s3() } else { mean_m2_s3 } + stirred_m2_s2
         };
-        let work = push_s * power_m2_s3 + stirred_m2_s2;
+        let work = work_by(1.0);
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
         let is_driven = self.side_speed_m_s > 0.0;
         self.excess_m2_s2 = if is_driven { 0.0 } else { (self.excess_m2_s2 + gain).max(0.0) };
         let is_tolerated = self.excess_m2_s2 <= GUARD_SLACK * (before.energy_m2_s2 + work.abs());
         let excess = if is_tolerated { 0.0 } else { self.excess_m2_s2 };
-        let for_energy = ((after.energy_m2_s2 - excess)
-            / after.energy_m2_s2.max(f64::MIN_POSITIVE))
-        .clamp(0.0, 1.0)
-        .sqrt();
+        let mut for_energy = 1.0;
+        // A slower flow takes less from the same forces: what they may have given is less, too.
+        for _ in 0..GUARD_ROUNDS * u32::from(!is_tolerated) {
+            let left_m2_s2 = after.energy_m2_s2 - excess - (work - work_by(for_energy));
+            let share = left_m2_s2 / after.energy_m2_s2.max(f64::MIN_POSITIVE);
+            for_energy = share.clamp(0.0, for_energy * for_energy).sqrt();
+        }
         let scale = for_energy.min(f64::from(MAX_SPEED_M_S) / after.speed_m_s.max(1e-9));
         if (is_tolerated && scale >= for_energy) || after.energy_m2_s2 == 0.0 {
             return after;
