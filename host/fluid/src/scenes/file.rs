@@ -219,6 +219,7 @@ mod tests {
             ("base = \"fumes\"\n[gas]\nvents = -3\n", 3, "gas.vents = -3"),
             ("base = \"fumes\"\n[gas]\nambient_k = 0\n", 3, "gas.ambient_k = 0"),
             ("base = \"fumes\"\n[gas]\nheight_m = 50.0\n", 3, "cells in all"),
+            ("base = \"fumes\"\n[gas]\nhotter_k = 300\n", 3, "gas.hotter_k = 300"),
             ("[probe]\nradius_m = 1e40\n", 2, "probe.radius_m = inf"),
         ] {
             let said = error(text);

@@ -18,7 +18,9 @@ pub struct Gas {
     pub diffusivity_m2_s: f32,
     /// Temperature of the room.
     pub ambient_k: f32,
-    /// How much hotter what comes from the vents is.
+    /// How much hotter what comes from the vents is: at most so much that it is lighter by a tenth,
+    /// beyond which buoyancy beside open sides is not known (see
+    /// [`Flow::set_medium`](crate::solver::flow::Flow::set_medium)).
     pub hotter_k: f32,
     /// Number of vents that are open at a time.
     pub vents: usize,
@@ -46,7 +48,7 @@ impl Gas {
         number("gas.viscosity_m2_s", self.viscosity_m2_s, Bound::new(0.0, 1e4))?;
         number("gas.diffusivity_m2_s", self.diffusivity_m2_s, Bound::new(0.0, 1.0))?;
         number("gas.ambient_k", self.ambient_k, Bound::new(1.0, 5e3))?;
-        number("gas.hotter_k", self.hotter_k, Bound::new(0.0, 5e3))?;
+        number("gas.hotter_k", self.hotter_k, Bound::new(0.0, self.ambient_k / 9.0))?;
         number("gas.vents", self.vents as f32, Bound::new(0.0, 64.0))?;
         number("gas.vent_radius_m", self.vent_radius_m, Bound::new(1e-4, 1.0))?;
         number("gas.smoke_per_s", self.smoke_per_s, Bound::new(0.0, 1e3))?;

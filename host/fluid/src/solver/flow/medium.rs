@@ -95,6 +95,10 @@ impl Flow {
     /// what is lighter than a thousandth of the densest counts as that. Viscosities that differ
     /// are solved for as stresses. Around obstacles only gravity tells densities apart, and viscosity
     /// is that of the setup. A medium that is the same everywhere costs nothing.
+    ///
+    /// Beyond open sides there is the liquid of the setup, at rest: what is lighter rises in it. Where
+    /// densities weigh in the pressure, the lightest at each level is taken to be there instead.
+    ///
     /// ```
     /// use cauldron_fluid::{Grid, Vessel, solver::{Setup, Solver, flow::{Flow, Medium}}};
     /// use glam::Vec3;

@@ -27,7 +27,7 @@ pub struct Mixture {
     pub viscosity_m2_s: Field,
     /// What gravity does at open faces.
     pub buoyancy_m_s2: Vector,
-    /// Least density at each level along one axis.
+    /// Density of what floats at each level along one axis.
     floating: Vec<f32>,
     /// Largest of what gravity does.
     pub largest_m_s2: f64,
@@ -102,7 +102,8 @@ impl Mixture {
 
     /// Sets what gravity does to it.
     ///
-    /// Where `weighs`, by what the liquid weighs itself, so that nothing falls faster than freely.
+    /// Where `weighs`, by what is denser of the liquid and what floats in it, so that nothing falls or
+    /// rises faster than freely.
     /// What is as dense as `beyond` floats, or, where that is not said, the lightest of each level
     /// does: in a closed box the pressure makes up for either, and this one leaves layers at rest.
     pub fn set_buoyancy(
@@ -136,7 +137,7 @@ impl Mixture {
                 }
             }
             for (face, at) in faces() {
-                let weight = if weighs { mean(at) } else { 1.0 };
+                let weight = if weighs { mean(at).max(floating[face[c]]) } else { 1.0 };
                 out[at] = gravity * (mean(at) - floating[face[c]]) / weight;
                 self.largest_m_s2 = self.largest_m_s2.max(f64::from(out[at].abs()));
             }
