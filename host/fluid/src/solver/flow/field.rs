@@ -203,17 +203,17 @@ pub fn blocks_mut(field: &mut [f32], at: usize, len: usize) -> &mut [Block] {
     cut_mut(field, at, len).as_chunks_mut().0
 }
 
-/// A run of a padded array with its six neighbours.
+/// A run of a padded array with its six neighbours, by value or by block.
 #[derive(Clone, Copy)]
-pub struct Star<'a> {
+pub struct Star<'a, T = f32> {
     /// The run itself.
-    pub here: &'a [f32],
+    pub here: &'a [T],
     /// One back and one on along x.
-    pub x: (&'a [f32], &'a [f32]),
+    pub x: (&'a [T], &'a [T]),
     /// One back and one on along y.
-    pub y: (&'a [f32], &'a [f32]),
+    pub y: (&'a [T], &'a [T]),
     /// One back and one on along z.
-    pub z: (&'a [f32], &'a [f32]),
+    pub z: (&'a [T], &'a [T]),
 }
 
 impl<'a> Star<'a> {
@@ -234,6 +234,15 @@ impl<'a> Star<'a> {
     pub fn around(&self, i: usize) -> f32 {
         let Self { x, y, z, .. } = self;
         (x.0[i] + x.1[i]) + (y.0[i] + y.1[i]) + (z.0[i] + z.1[i])
+    }
+
+    /// The same in whole blocks. A loop over values is made wide by the optimiser, with tests of what
+    /// overlaps and a rest to do one by one: for a row of planes this short, half of the time.
+    #[inline(always)]
+    pub fn blocks(self) -> Star<'a, Block> {
+        let all = |values: &'a [f32]| values.as_chunks().0;
+        let both = |(low, high): (&'a [f32], &'a [f32])| (all(low), all(high));
+        Star { here: all(self.here), x: both(self.x), y: both(self.y), z: both(self.z) }
     }
 }
 

@@ -15,7 +15,10 @@
 
 use crate::{
     simd::SimdClass,
-    solver::flow::field::{Layout, Run, Star, cut, cut_mut},
+    solver::flow::{
+        field::{Block, Layout, Run, Star, blocks, blocks_mut},
+        poisson::lanes::{add, each, multiply_add, subtract, times},
+    },
 };
 
 /// What a stage reads.
@@ -135,17 +138,17 @@ impl MultistepRun<'_, '_> {
         let ([gx, gy, gz], [x, y, z]) = (history, out);
         macro_rules! component {
             ($c:literal, $history:ident, $out:ident) => {{
-                let here = cut(stage.velocity[$c], at, len);
-                let (history, out) = (cut_mut($history, to, len), cut_mut($out, to, len));
+                let here = blocks(stage.velocity[$c], at, len);
+                let (history, out) = (blocks_mut($history, to, len), blocks_mut($out, to, len));
                 stage.rates::<$c>(
                     class,
                     at,
                     len,
                     #[inline(always)]
-                    |i, rate| {
-                        let start = class.multiply_add(advance.old_s, history[i], here[i]);
-                        out[i] = class.multiply_add(advance.new_s, rate, start);
-                        history[i] = rate;
+                    |b, rate| {
+                        let start = grown(class, here[b], advance.old_s, history[b]);
+                        out[b] = grown(class, start, advance.new_s, rate);
+                        history[b] = rate;
                     },
                 );
             }};
@@ -165,22 +168,21 @@ impl SemiRun<'_, '_> {
         let strides = stage.layout.strides();
         macro_rules! component {
             ($c:literal, $history:ident, $out:ident) => {{
-                let own = Star::new(&stage.layout, stage.velocity[$c], at, len);
-                let (history, out) = (cut_mut($history, to, len), cut_mut($out, to, len));
-                let above = cut(advance.pressure, at, len);
-                let below = cut(advance.pressure, at - strides[$c], len);
+                let own = Star::new(&stage.layout, stage.velocity[$c], at, len).blocks();
+                let (history, out) = (blocks_mut($history, to, len), blocks_mut($out, to, len));
+                let above = blocks(advance.pressure, at, len);
+                let below = blocks(advance.pressure, at - strides[$c], len);
                 stage.rates::<$c>(
                     class,
                     at,
                     len,
                     #[inline(always)]
-                    |i, rate| {
-                        let lap = class.multiply_add(-6.0, own.here[i], own.around(i));
-                        let push = advance.dt_s * (below[i] - above[i]);
-                        let change = class.multiply_add(advance.viscous, lap, push);
-                        let change = class.multiply_add(advance.rates.old_s, history[i], change);
-                        out[i] = class.multiply_add(advance.rates.new_s, rate, change);
-                        history[i] = rate;
+                    |b, rate| {
+                        let push = scaled(advance.dt_s, subtract(below[b], above[b]));
+                        let change = grown(class, push, advance.viscous, laplacian(class, own, b));
+                        let change = grown(class, change, advance.rates.old_s, history[b]);
+                        out[b] = grown(class, change, advance.rates.new_s, rate);
+                        history[b] = rate;
                     },
                 );
             }};
@@ -199,20 +201,20 @@ impl RungeKuttaRun<'_, '_> {
         let strides = stage.layout.strides();
         macro_rules! component {
             ($c:literal, $out:ident) => {{
-                let (here, out) = (cut(stage.velocity[$c], at, len), cut_mut($out, to, len));
-                let start = cut(advance.start[$c], at, len);
-                let above = cut(advance.pressure, at, len);
-                let below = cut(advance.pressure, at - strides[$c], len);
+                let (here, out) = (blocks(stage.velocity[$c], at, len), blocks_mut($out, to, len));
+                let start = blocks(advance.start[$c], at, len);
+                let above = blocks(advance.pressure, at, len);
+                let below = blocks(advance.pressure, at - strides[$c], len);
                 stage.rates::<$c>(
                     class,
                     at,
                     len,
                     #[inline(always)]
-                    |i, rate| {
-                        let rate = rate - (above[i] - below[i]);
-                        let next = class.multiply_add(advance.dt_s, rate, here[i]);
-                        let kept = advance.start_share * start[i];
-                        out[i] = class.multiply_add(advance.own_share, next, kept);
+                    |b, rate| {
+                        let rate = subtract(rate, subtract(above[b], below[b]));
+                        let next = grown(class, here[b], advance.dt_s, rate);
+                        let kept = scaled(advance.start_share, start[b]);
+                        out[b] = grown(class, kept, advance.own_share, next);
                     },
                 );
             }};
@@ -224,14 +226,15 @@ impl RungeKuttaRun<'_, '_> {
 }
 
 impl Stage<'_> {
-    /// Calls `advance(i, rate)` for the rates of component `C` at `len` faces from index `at`.
+    /// Calls `advance(b, rate)` for the rates of component `C` at `len` faces from index `at`, block
+    /// by block.
     #[inline(always)]
     fn rates<const C: usize>(
         &self,
         class: SimdClass,
         at: usize,
         len: usize,
-        advance: impl FnMut(usize, f32),
+        advance: impl FnMut(usize, Block),
     ) {
         match (self.terms.viscous_per_s > 0.0, self.force) {
             (false, None) => self.rates_of::<C, false, false>(class, at, len, advance),
@@ -247,35 +250,55 @@ impl Stage<'_> {
         class: SimdClass,
         at: usize,
         len: usize,
-        mut advance: impl FnMut(usize, f32),
+        mut advance: impl FnMut(usize, Block),
     ) {
         let (layout, terms) = (&self.layout, self.terms);
         let behind = layout.strides()[C];
-        let own = Star::new(layout, self.velocity[C], at, len);
+        let own = Star::new(layout, self.velocity[C], at, len).blocks();
         let [x, y, z] = Through::all(self.velocity, layout, at, behind, len);
         let force =
-            if FORCED { self.force.map_or(own.here, |f| cut(f[C], at, len)) } else { own.here };
-        for (i, force) in force.iter().enumerate() {
-            let sum = x.carry(class, i, own.x, None);
-            let sum = y.carry(class, i, own.y, Some(sum));
-            let sum = z.carry(class, i, own.z, Some(sum));
-            let mut rate = terms.advection_per_m * sum;
+            if FORCED { self.force.map_or(own.here, |f| blocks(f[C], at, len)) } else { own.here };
+        for b in 0..own.here.len() {
+            let sum = x.carry(class, b, own.x, None);
+            let sum = y.carry(class, b, own.y, Some(sum));
+            let sum = z.carry(class, b, own.z, Some(sum));
+            let mut rate = scaled(terms.advection_per_m, sum);
             if VISCOUS {
-                let lap = class.multiply_add(-6.0, own.here[i], own.around(i));
-                rate = class.multiply_add(terms.viscous_per_s, lap, rate);
+                rate = grown(class, rate, terms.viscous_per_s, laplacian(class, own, b));
             }
             if FORCED {
-                rate = class.multiply_add(terms.force, *force, rate);
+                rate = grown(class, rate, terms.force, force[b]);
             }
-            advance(i, rate);
+            advance(b, rate);
         }
     }
 }
 
+/// start + factor growth.
+#[inline(always)]
+fn grown(class: SimdClass, start: Block, factor: f32, growth: Block) -> Block {
+    each(
+        #[inline(always)]
+        |i| class.multiply_add(factor, growth[i], start[i]),
+    )
+}
+
+#[inline(always)]
+fn scaled(factor: f32, values: Block) -> Block {
+    times([factor; _], values)
+}
+
+/// The sum of the six neighbours of each value of block `b`, less 6 times itself.
+#[inline(always)]
+fn laplacian(class: SimdClass, Star { here, x, y, z }: Star<'_, Block>, b: usize) -> Block {
+    let sides = add(add(x.0[b], x.1[b]), add(y.0[b], y.1[b]));
+    grown(class, add(sides, add(z.0[b], z.1[b])), -6.0, here[b])
+}
+
 /// The velocities through both sides of a run of control volumes, along one axis.
 struct Through<'a> {
-    high: (&'a [f32], &'a [f32]),
-    low: (&'a [f32], &'a [f32]),
+    high: (&'a [Block], &'a [Block]),
+    low: (&'a [Block], &'a [Block]),
 }
 
 impl<'a> Through<'a> {
@@ -299,25 +322,30 @@ impl<'a> Through<'a> {
     #[inline(always)]
     fn new(u: &'a [f32], low: usize, high: usize, behind: usize, len: usize) -> Self {
         Self {
-            high: (cut(u, high, len), cut(u, high - behind, len)),
-            low: (cut(u, low, len), cut(u, low - behind, len)),
+            high: (blocks(u, high, len), blocks(u, high - behind, len)),
+            low: (blocks(u, low, len), blocks(u, low - behind, len)),
         }
     }
 
-    /// sum + q+ above - q- below.
+    /// sum + q+ above - q- below, in block `b`.
     #[inline(always)]
     fn carry(
         &self,
         class: SimdClass,
-        i: usize,
-        (below, above): (&[f32], &[f32]),
-        sum: Option<f32>,
-    ) -> f32 {
-        let (high, low) = (self.high.0[i] + self.high.1[i], self.low.0[i] + self.low.1[i]);
+        b: usize,
+        (below, above): (&[Block], &[Block]),
+        sum: Option<Block>,
+    ) -> Block {
+        let high = add(self.high.0[b], self.high.1[b]);
+        let low = add(self.low.0[b], self.low.1[b]);
         let in_front = match sum {
-            Some(sum) => class.multiply_add(high, above[i], sum),
-            None => high * above[i],
+            Some(sum) => multiply_add(class, high, above[b], sum),
+            None => times(high, above[b]),
         };
-        class.multiply_add(-low, below[i], in_front)
+        let below = below[b];
+        each(
+            #[inline(always)]
+            |i| class.multiply_add(-low[i], below[i], in_front[i]),
+        )
     }
 }

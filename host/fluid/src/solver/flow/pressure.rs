@@ -262,8 +262,8 @@ impl Source for Inflow<'_> {
         if let Some(Run { at, to, len }) = on.live_run(layout, k) {
             let (out, faces) = (cut_mut(room, to, len), FaceRuns::new(layout, *velocity, at, len));
             // A loop: the library's `for_each` would not be compiled for wide vectors.
-            for (i, out) in out.iter_mut().enumerate() {
-                *out = -faces.outflow(i);
+            for i in 0..len {
+                out[i] = -faces.outflow(i);
             }
         }
         room
@@ -348,7 +348,7 @@ fn correct_box_and_survey(
     force: Option<[&[f32]; 3]>,
 ) -> [f64; 4] {
     let (u, v, w) = (blocks_mut(u, to, len), blocks_mut(v, to, len), blocks_mut(w, to, len));
-    let [here, x, y, z] = [psi.here, psi.x.0, psi.y.0, psi.z.0].map(|psi| blocks(psi, 0, len));
+    let Star { here, x: (x, _), y: (y, _), z: (z, _) } = psi.blocks();
     let force = force.map(|force| force.map(|f| blocks(f, to, len)));
     survey_blocks(
         class,
