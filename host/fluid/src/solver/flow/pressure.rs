@@ -356,10 +356,11 @@ fn correct_box_and_survey(
         force,
         #[inline(always)]
         |b| {
-            u[b] = corrected(u[b], open_x[b], subtract(here[b], x[b]));
-            v[b] = corrected(v[b], open_y[b], subtract(here[b], y[b]));
-            w[b] = corrected(w[b], open_z[b], subtract(here[b], z[b]));
-            [u[b], v[b], w[b]]
+            let next_u = corrected(u[b], open_x[b], subtract(here[b], x[b]));
+            let next_v = corrected(v[b], open_y[b], subtract(here[b], y[b]));
+            let next_w = corrected(w[b], open_z[b], subtract(here[b], z[b]));
+            (u[b], v[b], w[b]) = (next_u, next_v, next_w);
+            [next_u, next_v, next_w]
         },
     )
 }
