@@ -7,7 +7,7 @@ use crate::{
     grid::Grid,
     solver::{
         Obstacle, Setup, SetupError, Side, Sides, Solver,
-        flow::{Flow, Medium},
+        flow::{Drag, Flow, Medium},
     },
 };
 
@@ -90,6 +90,10 @@ const INPUTS: &[Input] = &[
     Input { name: "velocity_m_s", offer: |world, bad| put(world, middle(world), 1.0, bad) },
     Input { name: "centre_in_world_m", offer: |world, bad| pour(world, at(bad), 1.0, 1.0) },
     Input { name: "radius_m", offer: |world, bad| pour(world, Vec3::ZERO, bad as f32, 1.0) },
+    Input { name: "centre_in_world_m", offer: |world, bad| drag(world, at(bad), 1.0, 1.0, 1.0) },
+    Input { name: "radius_m", offer: |world, bad| drag(world, Vec3::ZERO, bad, 1.0, 1.0) },
+    Input { name: "drag_n_s_per_m", offer: |world, bad| drag(world, Vec3::ZERO, 1.0, bad, 1.0) },
+    Input { name: "velocity_m_s", offer: |world, bad| drag(world, Vec3::ZERO, 1.0, 1.0, bad) },
     Input { name: "fraction_per_s", offer: |world, bad| pour(world, Vec3::ZERO, 1.0, bad as f32) },
     Input { name: "centre_in_world_m", offer: |world, bad| drain(world, at(bad), 1.0, 1.0) },
     Input { name: "radius_m", offer: |world, bad| drain(world, Vec3::ZERO, bad as f32, 1.0) },
@@ -110,6 +114,19 @@ fn fill(world: &mut World<'_>, density_kg_m3: f64, viscosity_m2_s: f64) -> Resul
 
 fn push(world: &mut World<'_>, centre: Vec3, radius_m: f32, impulse: f64) -> Result<(), String> {
     said(world.flow.push(centre, radius_m, DVec3::new(0.0, impulse, 0.0)).map(drop))
+}
+
+fn drag(
+    world: &mut World<'_>,
+    centre_in_world_m: Vec3,
+    radius_m: f64,
+    drag_n_s_per_m: f64,
+    speed_m_s: f64,
+) -> Result<(), String> {
+    let velocity_m_s = Vec3::new(0.0, speed_m_s as f32, 0.0);
+    let (radius_m, drag_n_s_per_m) = (radius_m as f32, drag_n_s_per_m as f32);
+    let drag = Drag { centre_in_world_m, radius_m, drag_n_s_per_m, velocity_m_s };
+    said(world.flow.couple(Some(drag)))
 }
 
 fn put(world: &mut World<'_>, centre: Vec3, radius_m: f32, speed_m_s: f64) -> Result<(), String> {

@@ -100,13 +100,22 @@ impl<'a> Kernel<'a> {
         change
     }
 
+    /// 1 for each component that has an open face within reach, else 0.
+    pub fn reach(&self) -> DVec3 {
+        DVec3::from_array([0, 1, 2].map(|c| {
+            let mut weight = 0.0;
+            self.visit(c, |_, mass, per_mass| weight += mass * per_mass);
+            weight.round()
+        }))
+    }
+
     /// The weighted mean of the velocity.
-    pub fn gather(&self, velocity: [&[f32]; 3]) -> Vec3 {
+    pub fn gather(&self, velocity: [&[f32]; 3]) -> DVec3 {
         let mut mean = DVec3::ZERO;
         for (c, u) in velocity.into_iter().enumerate() {
             self.visit(c, |at, mass, per_mass| mean[c] += mass * per_mass * f64::from(u[at]));
         }
-        mean.as_vec3()
+        mean
     }
 
     /// The mass that an impulse moves before the pressure spreads it, in cells, as a mean over
@@ -156,7 +165,7 @@ impl Flow {
     /// where no liquid is in reach.
     #[must_use]
     pub fn gather(&self, centre_in_world_m: Vec3, radius_m: f32) -> Vec3 {
-        self.kernel(centre_in_world_m, radius_m).gather(components(&self.velocity))
+        self.kernel(centre_in_world_m, radius_m).gather(components(&self.velocity)).as_vec3()
     }
 
     /// The mass that an impulse at a point moves at once, before the pressure has spread it:
@@ -166,7 +175,7 @@ impl Flow {
         self.cell_mass_kg() * self.kernel(centre_in_world_m, radius_m).mass_in_cells()
     }
 
-    fn kernel(&self, centre_in_world_m: Vec3, radius_m: f32) -> Kernel<'_> {
+    pub(super) fn kernel(&self, centre_in_world_m: Vec3, radius_m: f32) -> Kernel<'_> {
         let radius = radius_m / self.grid.spacing_m;
         let centre = self.in_cells(centre_in_world_m);
         Kernel::new(&self.layout, &self.faces, self.masses(), centre, radius)

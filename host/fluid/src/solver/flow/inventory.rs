@@ -22,10 +22,12 @@ impl Flow {
             vector_bytes(&self.velocity) + self.stage.iter().map(vector_bytes).sum::<usize>();
         let prediction = self.pressure.next.bytes() + self.pressure.trend.bytes();
         let looks = self.looks.as_ref().map(|looking| looking.bytes());
+        let coupling = self.coupling.as_ref().map(|coupling| coupling.bytes());
         let is_direct = self.projection.is_direct();
+        let drag = coupling.map(|bytes| Item::on("drag", "solved for with the liquid", bytes));
         let mixture = self.mixture.as_deref().or(self.spare_mixture.as_deref());
         let [gravity, friction, weight] = mixture.map_or([None; 3], Mixture::bytes);
-        vec![
+        let always = [
             Item::on("momentum", "central fluxes; scheme and parts by step", momentum),
             Item::on(
                 "pressure",
@@ -46,7 +48,8 @@ impl Flow {
             Item::if_any("buoyancy", gravity.map(|bytes| ("of what is dissolved", bytes))),
             Item::if_any("unlike viscosities", friction.map(|b| ("conjugate gradients", b))),
             Item::if_any("unlike weights", weight.map(|bytes| ("in the pressure, too", bytes))),
-        ]
+        ];
+        always.into_iter().chain(drag).collect()
     }
 }
 

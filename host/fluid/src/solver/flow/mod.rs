@@ -5,6 +5,7 @@
 //! accurate where that is cheap and stable always.
 
 pub(super) mod carry;
+mod coupling;
 mod density;
 pub(crate) mod engine;
 mod exchange;
@@ -34,7 +35,7 @@ mod trace;
 mod viscous;
 mod walls;
 
-pub use self::{looks::Looks, medium::Medium};
+pub use self::{coupling::Drag, looks::Looks, medium::Medium};
 
 use std::sync::Arc;
 
@@ -42,6 +43,7 @@ pub use self::inlets::SideVelocity;
 use glam::{DVec3, Vec3};
 
 use self::{
+    coupling::Coupling,
     engine::Engine,
     faces::{Faces, cells},
     field::{FaceRuns, Layout, Vector, components, cut},
@@ -126,6 +128,8 @@ pub struct Flow {
     projection: Projection,
     force: Option<Force>,
     looks: Option<Box<Looking>>,
+    /// What drags it along; `None` if nothing does.
+    coupling: Option<Box<Coupling>>,
     force_scale: [f64; 2],
     /// What is known of `velocity`; `None` once it was changed from outside.
     survey: Option<Survey>,
@@ -186,6 +190,7 @@ impl Flow {
             projection: Projection::new(&layout, &faces, &ghosts, &setup.pool),
             force: None,
             looks: None,
+            coupling: None,
             force_scale: [1.0; 2],
             survey: None,
             excess_m2_s2: 0.0,

@@ -30,7 +30,7 @@ use crate::{
 };
 
 /// Below this a velocity component is 0: at rest means at rest.
-const REST_M_S: f32 = 1e-6;
+pub const REST_M_S: f32 = 1e-6;
 
 /// The pressure of the next step, per density and spacing, extrapolated from the last two.
 pub struct Prediction {

@@ -171,6 +171,24 @@ impl Obstacles {
         }
     }
 
+    /// Counts `share` of what walls gave to a push that was kept before and after friction acted on
+    /// it, of which s is the part of nu dt / h^2 that did: they met it at rest.
+    pub fn count_response(&mut self, layout: &Layout, faces: &Faces, s: f64, share: f64) {
+        let Some(vessel) = &faces.vessel else { return };
+        let [before, after] = std::mem::take(&mut self.beside);
+        let mut places = [0; 3];
+        self.gather(layout, faces, |c, face, _| {
+            let [before, after] = [&before, &after].map(|kept| f64::from(kept[c][places[c]]));
+            places[c] += 1;
+            let lacking = f64::from(vessel.area[c][face.at as usize]) - f64::from(face.inertia);
+            lacking * (after - before) - s * f64::from(face.drag) * after
+        });
+        self.beside = [before, after];
+        for Account { sum, rate, .. } in self.bodies.iter_mut().map(|body| &mut body.account) {
+            sum.add(share, rate[0]);
+        }
+    }
+
     /// Counts a pressure, per density and spacing, times `share`.
     pub fn press(&mut self, layout: &Layout, faces: &Faces, pressure: &[f32], share: f64) {
         let Some(solids) = faces.solids() else { return };

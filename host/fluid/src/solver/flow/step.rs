@@ -36,7 +36,7 @@ const GUARD_ROUNDS: u32 = 12;
 /// A step that leaves less than this part of the energy ends the flow whose pressure is known.
 const LITTLE_LEFT: f64 = 0.1;
 
-/// Parts of a step with moving obstacles, after which the rest of it is traced: as many as two
+/// Parts of a step with moving obstacles or a drag, after which the rest of it is traced: as many as two
 /// plans would have at most.
 const MOST_STIRRED_PARTS: u32 = 32;
 
@@ -66,6 +66,7 @@ impl Flow {
     pub(super) fn advance(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
         check_step(dt_s)?;
         self.dress(dt_s);
+        self.open_coupling();
         if self.survey.is_none() {
             self.set_drive();
         }
@@ -85,7 +86,7 @@ impl Flow {
             StepReport { substeps: plan.parts, scheme: plan.scheme, ..StepReport::at_rest() };
         self.pressure.share = plan.trend_share;
         let mut after = before;
-        if self.is_stirred() {
+        if self.is_stirred() || self.is_coupled() {
             after = self.advance_stirred(dt_s, before, &mut report);
         } else {
             for index in 0..plan.parts {
@@ -93,8 +94,8 @@ impl Flow {
                 after = self.advance_sound(part, plan.scheme, &mut report);
             }
         }
-        let stirred_m2_s2 = self.close_obstacles(dt_s);
-        let after = self.guard([before, after], stirred_m2_s2, dt_s, &mut report);
+        let given_m2_s2 = self.close_obstacles(dt_s) + self.coupled_work_m2_s2();
+        let after = self.guard([before, after], given_m2_s2, dt_s, &mut report);
         self.settle(before, after);
         report.asleep = after.speed_m_s == 0.0 && !self.is_forced();
         report.kinetic_energy_j = after.energy_m2_s2 * self.cell_mass_kg();
@@ -113,7 +114,8 @@ impl Flow {
         (1.0 + STIR_SLACK) * work_m2_s2 + carried_m3_s3 * dt_s / f64::from(self.grid.spacing_m)
     }
 
-    /// How fast liquid gives way to obstacles is known only once it did: each part is planned anew.
+    /// How fast liquid gives way to obstacles, or round a body that drags it, is known only once it
+    /// did: each part is planned anew.
     fn advance_stirred(&mut self, dt_s: f64, before: Survey, report: &mut StepReport) -> Survey {
         let whole = Part { dt_s, force_scale: self.force_scale };
         let (mut after, mut done) = (before, 0.0);
@@ -157,7 +159,7 @@ impl Flow {
             }
             self.learn_pressure(part);
         }
-        survey
+        self.drag_along(part, scheme, survey, report)
     }
 
     fn plan_step(&self, dt_s: f64, before: Survey) -> Plan {
@@ -166,7 +168,7 @@ impl Flow {
         let pull = self.force.as_ref().map_or(0.0, |force| force.largest_m_s2 * scale)
             + self.mixture.as_ref().map_or(0.0, |mixture| mixture.largest_m_s2);
         let solids_m_s = self.obstacles.as_ref().map_or(0.0, |obstacles| obstacles.speed_m_s());
-        let given_m_s = self.side_speed_m_s.max(solids_m_s);
+        let given_m_s = self.side_speed_m_s.max(solids_m_s).max(self.drag_speed_m_s());
         let speed_m_s = before.speed_m_s.max(given_m_s) + pull * dt_s;
         let cfl = speed_m_s * dt_s / spacing_m;
         let number = self.diffusion_number(dt_s);
@@ -188,7 +190,8 @@ impl Flow {
         let is_pushed = self.force.as_ref().is_some_and(|force| force.largest_m_s2 > 0.0)
             && self.force_scale != [0.0; 2];
         let is_pulled = self.mixture.as_ref().is_some_and(|mixture| mixture.largest_m_s2 > 0.0);
-        is_pushed || is_pulled || self.side_speed_m_s > 0.0 || self.is_stirred()
+        let is_moved = self.side_speed_m_s > 0.0 || self.is_stirred() || self.is_dragged();
+        is_pushed || is_pulled || is_moved
     }
 
     /// True if an obstacle moves.
@@ -226,14 +229,14 @@ impl Flow {
         projection.project(on, ghosts, velocity, Telling::All(force), density)
     }
 
-    /// Energy may not exceed what it was plus what forces and obstacles did (`stirred_m2_s2`), nor
+    /// Energy may not exceed what it was plus what forces, obstacles and a drag did (the last two: `given_m2_s2`), nor
     /// speed what f32 can square. What it does exceed it by is added up until it is worth an action.
     /// Through openings none comes in: beyond them all is at rest. What moving sides give is not
     /// known here: there only the speed is bounded.
     fn guard(
         &mut self,
         [before, after]: [Survey; 2],
-        stirred_m2_s2: f64,
+        given_m2_s2: f64,
         dt_s: f64,
         report: &mut StepReport,
     ) -> Survey {
@@ -249,7 +252,7 @@ impl Flow {
             // What is heavier is carried, and falls, with the velocity after the step; a multistep
             // part follows what is poured to its middle.
             let mixed_m2_s3 = || mean_m2_s3.max(after_m2_s3) + WORK_SLACK * mean_m2_s3.abs();
-            push_s * if is_mixed { mixed_m2_s3() } else { mean_m2_s3 } + stirred_m2_s2
+            push_s * if is_mixed { mixed_m2_s3() } else { mean_m2_s3 } + given_m2_s2
         };
         let work = work_by(1.0);
         let gain = after.energy_m2_s2 - before.energy_m2_s2 - work;
