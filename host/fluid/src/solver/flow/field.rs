@@ -313,6 +313,16 @@ impl Lanes {
         }
     }
 
+    /// Adds `value(i)` for i in `0..len`.
+    #[inline(always)]
+    pub fn add(&mut self, len: usize, value: impl Fn(usize) -> f32) {
+        for start in (0..len).step_by(BLOCK) {
+            for lane in 0..BLOCK.min(len - start) {
+                self.0[lane] += value(start + lane);
+            }
+        }
+    }
+
     /// Adds all `weight[i] * a[i] * b[i]`; all are of one length.
     #[inline(always)]
     pub fn add_weighted(&mut self, weight: &[f32], a: &[f32], b: &[f32]) {

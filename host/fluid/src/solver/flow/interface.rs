@@ -62,18 +62,13 @@ impl Solver for Flow {
     }
 
     fn divergence_l2_per_s(&self) -> f64 {
-        let (mut squares, mut cells) = (0.0, 0);
-        self.visit_outflow(|outflow| {
-            squares += f64::from(outflow) * f64::from(outflow);
-            cells += 1;
-        });
-        (squares / f64::from(cells.max(1))).sqrt() / f64::from(self.grid.spacing_m)
+        let [_, squares, cells] = self.outflow();
+        (squares / cells.max(1.0)).sqrt() / f64::from(self.grid.spacing_m)
     }
 
     fn divergence_max_per_s(&self) -> f64 {
-        let mut largest = 0f32;
-        self.visit_outflow(|outflow| largest = largest.max(outflow.abs()));
-        f64::from(largest) / f64::from(self.grid.spacing_m)
+        let [largest, ..] = self.outflow();
+        largest / f64::from(self.grid.spacing_m)
     }
 
     fn velocity_at(&self, point_in_world_m: Vec3) -> Vec3 {

@@ -21,6 +21,7 @@ mod medium;
 mod mixture;
 mod momentum;
 mod obstacles;
+mod outflow;
 mod poisson;
 mod pressure;
 mod reaction;
@@ -46,7 +47,7 @@ use self::{
     coupling::Coupling,
     engine::Engine,
     faces::{Faces, cells},
-    field::{FaceRuns, Layout, Vector, components, cut},
+    field::{Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
     looks::Looking,
     medium::sound_gravity,
@@ -342,31 +343,6 @@ impl Flow {
             for c in (0..3).filter(|c| open[*c][at] > 0.0) {
                 visit(c, at, self.face_in_world_m(c, [i, j, k]));
             }
-        }
-    }
-
-    /// Calls `visit(outflow)` for what flows out of every liquid cell, in units of face area.
-    fn visit_outflow(&self, mut visit: impl FnMut(f32)) {
-        let [nx, _, nz] = self.layout.cells;
-        let rows =
-            |k| self.layout.rows_in_plane().map(move |row| (k + 1) * self.layout.plane + row);
-        for row in (0..nz).flat_map(rows) {
-            let faces = FaceRuns::new(&self.layout, components(&self.velocity), row, nx);
-            let liquid = cut(&self.faces.liquid, row, nx);
-            let area = self
-                .faces
-                .vessel
-                .as_ref()
-                .map(|vessel| FaceRuns::new(&self.layout, components(&vessel.area), row, nx));
-            let cells = (0..nx).filter(|i| liquid[*i] > 0.0);
-            let solids = self.faces.solids();
-            cells.for_each(|i| {
-                let swell = solids.map_or(0.0, |solids| solids.swell[row + i]);
-                visit(
-                    area.map_or_else(|| faces.outflow(i), |area| faces.outflow_through(&area, i))
-                        + swell,
-                );
-            });
         }
     }
 
