@@ -20,6 +20,7 @@ mod medium;
 mod mixture;
 mod momentum;
 mod obstacles;
+mod openings;
 mod poisson;
 mod pressure;
 mod reaction;
@@ -50,6 +51,7 @@ use self::{
     medium::sound_gravity,
     mixture::{Mixture, working},
     obstacles::Obstacles,
+    openings::{Openings, survey_sides, visit_above},
     pressure::{Prediction, Projection},
     stages::History,
     survey::Survey,
@@ -95,6 +97,7 @@ pub struct Flow {
     layout: Layout,
     faces: Faces,
     ghosts: Ghosts,
+    openings: Openings,
     obstacles: Option<Box<Obstacles>>,
     /// True if a side can put energy in.
     is_driven: bool,
@@ -191,6 +194,7 @@ impl Flow {
             excess_m2_s2: 0.0,
             forced: None,
             may_sleep: true,
+            openings: Openings::new(&layout, &faces),
             layout,
             faces,
             ghosts,
@@ -319,7 +323,9 @@ impl Flow {
         self.survey.unwrap_or_else(|| {
             let force = working(self.force.as_ref(), self.mixture.as_deref());
             let velocity = components(&self.velocity);
-            Survey::new(self.engine(), &self.layout, velocity, force, self.masses())
+            let (on, mass) = (self.engine(), self.masses());
+            let on_sides = survey_sides(&self.layout, on.faces, velocity, force, mass);
+            Survey::new(on, &self.layout, velocity, force, mass, on_sides)
         })
     }
 
@@ -376,11 +382,18 @@ impl Flow {
     ) -> Result<f64, Refused> {
         let mut largest = Ok(0.0f64);
         out.iter_mut().for_each(|out| out.fill(0.0));
-        self.visit_open(&self.bare().open, |c, at, point| {
+        let mut set = |c: usize, at: usize, point: DVec3| {
             let value = field(point)[c];
             out[c][at] = value as f32;
             largest = largest
                 .and_then(|so_far| within(what, value, limit).map(|value| so_far.max(value.abs())));
+        };
+        let faces = self.bare();
+        self.visit_open(&faces.open, &mut set);
+        visit_above(&self.layout, faces, |c, at, face| {
+            if faces.open[c][at] > 0.0 {
+                set(c, at, self.face_in_world_m(c, face));
+            }
         });
         largest
     }

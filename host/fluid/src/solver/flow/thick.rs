@@ -129,7 +129,7 @@ impl Thick {
             square = next;
             iterations += 1;
         }
-        ghosts.fill(velocity, Fill::Unprojected);
+        ghosts.fill(velocity, Fill::Inside);
         iterations
     }
 

@@ -156,7 +156,7 @@ impl Viscous {
                 0
             }
         };
-        ghosts.fill(velocity, Fill::Unprojected);
+        ghosts.fill(velocity, Fill::Inside);
         iterations
     }
 }
