@@ -353,7 +353,7 @@ impl Ghosts {
                 Rule::Slides if c == axis => set(array, side, 0.0),
                 Rule::Slides => copy(array, inner, ghost, 1.0),
                 Rule::Free if c == axis => {
-                    if !matches!(fill, Fill::Unprojected | Fill::Projected) {
+                    if fill == Fill::Inside {
                         let before = line(if end == 0 { 1 } else { n - 1 });
                         copy(array, before, side, 1.0);
                     }

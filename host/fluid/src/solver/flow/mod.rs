@@ -346,6 +346,15 @@ impl Flow {
         }
     }
 
+    /// The same for those on upper sides that let out what comes.
+    fn visit_open_above(&self, faces: &Faces, visit: &mut impl FnMut(usize, usize, DVec3)) {
+        visit_above(&self.layout, faces, |c, at, face| {
+            if faces.open[c][at] > 0.0 {
+                visit(c, at, self.face_in_world_m(c, face));
+            }
+        });
+    }
+
     /// Calls `visit(outflow)` for what flows out of every liquid cell, in units of face area.
     fn visit_outflow(&self, mut visit: impl FnMut(f32)) {
         let [nx, _, nz] = self.layout.cells;
@@ -390,11 +399,7 @@ impl Flow {
         };
         let faces = self.bare();
         self.visit_open(&faces.open, &mut set);
-        visit_above(&self.layout, faces, |c, at, face| {
-            if faces.open[c][at] > 0.0 {
-                set(c, at, self.face_in_world_m(c, face));
-            }
-        });
+        self.visit_open_above(faces, &mut set);
         largest
     }
 }

@@ -17,12 +17,13 @@
 //! back: it is the term that stabilises backflow (Bazilevs, Gohean, Hughes, Moser, Zhang 2009; Bertoglio,
 //! Caiazzo 2014).
 //!
-//! Where viscosity is implicit, a face on an open side moves with the next one within instead.
+//! Where viscosity differs from place to place and is implicit, a face on an open side moves with the
+//! next one within instead.
 
 use crate::solver::flow::{
     faces::Faces,
     field::{Layout, Vector},
-    momentum::{Multistep, RungeKutta, Stage},
+    momentum::{Multistep, RungeKutta, Semi, Stage},
 };
 
 /// One side that lets out what comes.
@@ -111,11 +112,32 @@ impl Openings {
         }
     }
 
-    /// Completes a multistep part whose viscosity is implicit: `out` is what it changes.
-    pub fn relax(&self, beside: Beside<'_>, new_s: f32, [history, out]: [&mut Vector; 2]) {
-        for Opening { axis, end, .. } in &self.0 {
-            beside.calm(*axis, *end, true, |c, at, more| {
-                out[c][at] += new_s * more;
+    /// Completes a multistep part whose viscosity is implicit: `out` is what it changes, and faces on
+    /// open sides follow those within if nothing solves for them.
+    pub fn relax(
+        &mut self,
+        beside: Beside<'_>,
+        advance: Semi<'_>,
+        follows: bool,
+        [history, out]: [&mut Vector; 2],
+    ) {
+        let Stage { layout, velocity, .. } = beside.stage;
+        for Opening { axis, end, rates } in &mut self.0 {
+            let (c, mut index) = (*axis, 0);
+            each_place(&layout, c, *end, |place| {
+                let rate = beside.rate(c, *end, place);
+                let out_of_cell = if *end == 0 { -1.0 } else { 1.0 };
+                let side = OnSide { layout: &layout, faces: beside.faces, c, end: *end, place };
+                let friction = advance.viscous * side.friction(velocity[c]) / side.inertia();
+                let push = advance.dt_s * out_of_cell * advance.pressure[place.cell];
+                let Multistep { new_s, old_s } = advance.rates;
+                let change = new_s * rate + old_s * rates[index] + friction + push;
+                out[c][place.at] = beside.faces.open[c][place.at] * change;
+                rates[index] = rate;
+                index += 1;
+            });
+            beside.calm(c, *end, follows, |c, at, more| {
+                out[c][at] += advance.rates.new_s * more;
                 history[c][at] += more;
             });
         }
@@ -138,46 +160,131 @@ impl Openings {
     }
 }
 
+/// A face on an open side, and what is beside it.
+struct OnSide<'a> {
+    layout: &'a Layout,
+    faces: &'a Faces,
+    c: usize,
+    end: usize,
+    place: Place,
+}
+
+impl OnSide<'_> {
+    /// Index of the next face within.
+    fn inner(&self) -> usize {
+        let (at, stride) = (self.place.at, self.layout.strides()[self.c]);
+        if self.end == 0 { at + stride } else { at - stride }
+    }
+
+    /// As of any face beside walls.
+    fn inertia(&self) -> f32 {
+        let (Some(vessel), Place { at, cell, .. }) = (&self.faces.vessel, self.place) else {
+            return 1.0;
+        };
+        if self.end == 0 {
+            return vessel.walls.inertia(self.layout, self.c, at).unwrap_or(1.0);
+        }
+        let [own, behind] = [at, self.inner()].map(|at| vessel.area[self.c][at]);
+        let across = (0..3).filter(|d| *d != self.c).map(|d| {
+            let area = &vessel.area[d];
+            0.5 * (area[cell] + area[cell + self.layout.strides()[d]])
+        });
+        across.fold(own.max(0.25 * (3.0 * own + behind)), f32::max).max(f32::MIN_POSITIVE)
+    }
+
+    /// Sum over the neighbours of A_g (u_g - u): none with what is beyond, nor with walls.
+    fn friction(&self, u: &[f32]) -> f32 {
+        let (Place { at, cell, .. }, strides, inner) =
+            (self.place, self.layout.strides(), self.inner());
+        let Some(vessel) = &self.faces.vessel else {
+            let across =
+                (0..3).filter(|d| *d != self.c).map(|d| u[at - strides[d]] + u[at + strides[d]]);
+            return u[inner] - 5.0 * u[at] + across.sum::<f32>();
+        };
+        let area = &vessel.area[self.c];
+        let towards = |next: usize, between: f32| match area[next] > 0.0 {
+            true => between * (u[next] - u[at]),
+            false => 0.0,
+        };
+        let across = (0..3).filter(|d| *d != self.c).map(|d| {
+            let between = [cell, cell + strides[d]].map(|face| vessel.area[d][face]);
+            towards(at - strides[d], between[0]) + towards(at + strides[d], between[1])
+        });
+        towards(inner, 0.5 * (area[at] + area[inner])) + across.sum::<f32>()
+    }
+}
+
+/// Calls `visit` for all faces on open sides that no wall shuts.
+fn each_on_sides<'a>(layout: &'a Layout, faces: &'a Faces, mut visit: impl FnMut(OnSide<'a>)) {
+    for (c, end) in open_sides(faces) {
+        each_place(layout, c, end, |place| {
+            if faces.open[c][place.at] > 0.0 {
+                visit(OnSide { layout, faces, c, end, place });
+            }
+        });
+    }
+}
+
+/// Sets `out` on open sides to own m u + share D u (see [`super::viscous`]). Returns what that adds
+/// to the sum of u `out` over all faces, of which the kernel has counted some there.
+pub fn apply_on_sides(
+    layout: &Layout,
+    faces: &Faces,
+    u: [&[f32]; 3],
+    out: &mut Vector,
+    [own, share]: [f32; 2],
+) -> f64 {
+    let mut sum = 0.0;
+    each_on_sides(layout, faces, |side| {
+        let (at, c) = (side.place.at, side.c);
+        let value = own * side.inertia() * u[c][at] - share * side.friction(u[c]);
+        let counted = if side.end == 0 || c == 0 { out[c][at] } else { 0.0 };
+        sum += f64::from(u[c][at]) * (f64::from(value) - f64::from(counted));
+        out[c][at] = value;
+    });
+    sum
+}
+
+/// Multiplies by the inertia of faces on upper open sides, or divides by it: no list of walls has them.
+pub fn weigh_above(layout: &Layout, faces: &Faces, vector: &mut Vector, divides: bool) {
+    each_on_sides(layout, faces, |side| {
+        if side.end == 1 {
+            let inertia = side.inertia();
+            vector[side.c][side.place.at] *= if divides { 1.0 / inertia } else { inertia };
+        }
+    });
+}
+
 impl Beside<'_> {
     fn area(&self, c: usize, at: usize) -> f32 {
         self.faces.vessel.as_ref().map_or(1.0, |vessel| vessel.area[c][at])
     }
 
     /// Rate of change of a face on an open side, but for the pressure.
-    fn rate(&self, c: usize, end: usize, Place { at, cell, ijk }: Place) -> f32 {
+    fn rate(&self, c: usize, end: usize, place: Place) -> f32 {
         let Stage { layout, velocity, force, terms } = self.stage;
-        let (u, strides) = (velocity[c], layout.strides());
-        let inner = if end == 0 { at + strides[c] } else { at - strides[c] };
+        let side = OnSide { layout: &layout, faces: self.faces, c, end, place };
+        let (u, strides, Place { at, cell, ijk }) = (velocity[c], layout.strides(), place);
+        let inner = side.inner();
         let out = if end == 0 { -u[at] } else { u[at] };
         let inward = if end == 0 { u[inner] } else { -u[inner] };
         let [own, behind] = [at, inner].map(|at| self.area(c, at));
         let mut flux = (behind * inward - own * out) * u[inner] + 2.0 * own * out.max(0.0) * u[at];
-        let mut inertia = own.max(0.25 * (3.0 * own + behind));
-        let between = |other: usize| match self.area(c, other) > 0.0 {
-            true => 0.5 * (own + self.area(c, other)),
-            false => 0.0,
-        };
-        let mut drag = between(inner) * (u[inner] - u[at]);
         for d in (0..3).filter(|d| *d != c) {
-            let mut passed = 0.0;
-            for (face, next, sign, is_last) in [
-                (cell, at - strides[d], -1.0, ijk[d] == 0),
-                (cell + strides[d], at + strides[d], 1.0, ijk[d] + 1 == layout.cells[d]),
-            ] {
-                let area = self.area(d, face);
-                let out = 2.0 * sign * area * velocity[d][face];
-                let is_from_rest =
-                    is_last && out < 0.0 && self.faces.is_free(d, usize::from(sign > 0.0));
+            let ends = [(cell, at - strides[d]), (cell + strides[d], at + strides[d])];
+            for (upper, (face, next)) in ends.into_iter().enumerate() {
+                let sign = if upper == 0 { -2.0 } else { 2.0 };
+                let out = sign * self.area(d, face) * velocity[d][face];
+                let is_last = ijk[d] == [0, layout.cells[d] - 1][upper];
+                let is_from_rest = is_last && out < 0.0 && self.faces.is_free(d, upper);
                 flux += if is_from_rest { 0.0 } else { out * u[next] };
-                let is_beside = self.area(c, next) > 0.0;
-                drag += if is_beside { area * (u[next] - u[at]) } else { 0.0 };
-                passed += 0.5 * area;
             }
-            inertia = inertia.max(passed);
         }
-        let force = force.map_or(0.0, |force| terms.force * force[c][at]);
-        (terms.advection_per_m * flux + terms.viscous_per_s * drag) / inertia.max(f32::MIN_POSITIVE)
-            + force
+        let mut rate = terms.advection_per_m * flux;
+        if terms.viscous_per_s > 0.0 {
+            rate += terms.viscous_per_s * side.friction(u);
+        }
+        rate / side.inertia() + force.map_or(0.0, |force| terms.force * force[c][at])
     }
 
     /// Calls `visit(c, index, more)` with what the rates of faces within have to be more by, as

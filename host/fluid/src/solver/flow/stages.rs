@@ -188,7 +188,7 @@ impl Flow {
                 correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
-        openings.relax(Beside { stage, faces }, rates.new_s, [history, out]);
+        openings.relax(Beside { stage, faces }, advance, !is_uniform, [history, out]);
         if let Some(weight) = self.mixture.as_ref().and_then(|mixture| mixture.weight()) {
             weight.press(on, layout, &self.pressure.next, dt_s, out);
         }
@@ -197,7 +197,6 @@ impl Flow {
             return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
         }
         let Some(viscous) = &mut self.viscous else { return 0 };
-        viscous.forget_sides(faces, ghosts, velocity, out, number as f32);
         ghosts.fill(out, Fill::Difference);
         let (s, room) = (theta * number, self.projection.room());
         let iterations = viscous.solve(on, ghosts, room, s as f32, out, velocity);
@@ -240,7 +239,7 @@ impl Flow {
             return thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity);
         }
         let Some(viscous) = &mut self.viscous else { return 0 };
-        viscous.set_rhs(on, ghosts, velocity, rhs, number as f32);
+        viscous.set_rhs(on, velocity, rhs, number as f32);
         let (s, room) = (theta * number, self.projection.room());
         let iterations = viscous.solve(on, ghosts, room, s as f32, rhs, velocity);
         if let Some(obstacles) = &mut self.obstacles {
