@@ -282,7 +282,7 @@ fn thick_liquid_that_slides_past_a_ball_into_the_open_comes_to_rest() {
             let before_j =
                 std::mem::replace(&mut energy_j, flow.step(0.1).expect("finite").kinetic_energy_j);
             // What the pressure of the last step overshoots by is up to the guard.
-            assert!(energy_j < 1.001 * before_j, "{viscosity_m2_s}: {before_j} {energy_j}");
+            assert!(energy_j <= 1.001 * before_j, "{viscosity_m2_s}: {before_j} {energy_j}");
         }
         assert!(energy_j < 0.05 * first_j, "{viscosity_m2_s}: {energy_j} of {first_j}");
     }

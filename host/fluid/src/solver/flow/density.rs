@@ -11,7 +11,7 @@ use crate::solver::flow::{
     field::{FaceRuns, Field, Layout, Run, Vector, components, cut, cut_mut},
     ghosts::Ghosts,
     inventory::bytes,
-    openings::visit_above,
+    openings::visit_unreached,
 };
 
 /// What density makes of faces and cells, all per density of the flow.
@@ -130,11 +130,8 @@ impl Density {
                 },
             );
         });
-        // Where the run of no plane gets to; beyond all is at rest.
-        visit_above(layout, on.faces, |c, at, _| {
-            if c > 0 {
-                out[c][at] += share * self.lightness[c][at] * pressure[at - layout.strides()[c]];
-            }
+        visit_unreached(layout, on.faces, |c, at| {
+            out[c][at] += share * self.lightness[c][at] * pressure[at - layout.strides()[c]];
         });
     }
 

@@ -238,7 +238,7 @@ pub fn apply_on_sides(
     each_on_sides(layout, faces, |side| {
         let (at, c) = (side.place.at, side.c);
         let value = own * side.inertia() * u[c][at] - share * side.friction(u[c]);
-        let counted = if side.end == 0 || c == 0 { out[c][at] } else { 0.0 };
+        let counted = if is_reached(layout, faces, at) { out[c][at] } else { 0.0 };
         sum += f64::from(u[c][at]) * (f64::from(value) - f64::from(counted));
         out[c][at] = value;
     });
@@ -337,6 +337,25 @@ pub fn extend(layout: &Layout, faces: &Faces, vector: &mut Vector) {
         each_place(layout, c, 0, |Place { at, .. }| vector[c][at] = vector[c][at + behind]);
     }
     extend_above(layout, faces, vector);
+}
+
+/// True if a kernel that runs over the live rows of all planes gets to a face on an open side: runs
+/// are rounded up, so it may be some of those above the last row.
+fn is_reached(layout: &Layout, faces: &Faces, at: usize) -> bool {
+    let k = at / layout.plane - 1;
+    k < layout.cells[2] && {
+        let run = layout.run(faces.live_rows[k].clone(), k);
+        at < run.at + run.len
+    }
+}
+
+/// As [`visit_above`], but for those that kernels get to.
+pub fn visit_unreached(layout: &Layout, faces: &Faces, mut visit: impl FnMut(usize, usize)) {
+    visit_above(layout, faces, |c, at, _| {
+        if !is_reached(layout, faces, at) {
+            visit(c, at);
+        }
+    });
 }
 
 /// Calls `visit(axis, index, cell beyond)` for the faces on upper open sides.

@@ -17,7 +17,7 @@ use crate::solver::flow::{
     faces::{Faces, VesselFaces},
     field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut, vector_bytes},
     ghosts::{Fill, Ghosts},
-    openings::{apply_on_sides, visit_above, weigh_above},
+    openings::{apply_on_sides, visit_above, visit_unreached, weigh_above},
     poisson::{Modal, Room},
 };
 
@@ -247,11 +247,8 @@ fn combine(
             },
         );
     });
-    // Where the run of no plane gets to.
-    visit_above(layout, on.faces, |c, at, _| {
-        if c > 0 {
-            out[c][at] = share * out[c][at] + alpha * u[c][at];
-        }
+    visit_unreached(layout, on.faces, |c, at| {
+        out[c][at] = share * out[c][at] + alpha * u[c][at];
     });
 }
 
