@@ -276,12 +276,15 @@ fn thick_liquid_that_slides_past_a_ball_into_the_open_comes_to_rest() {
         flow.add_obstacle(Obstacle::sphere(at, 0.763)).expect("a ball");
         flow.set_velocity(&|p| DVec3::new((3.0 * p.y).sin(), p.z.cos(), p.x.sin()))
             .expect("finite");
-        let mut energy_j = flow.kinetic_energy_j();
-        for _ in 0..8 {
+        let first_j = flow.kinetic_energy_j();
+        let mut energy_j = first_j;
+        for _ in 0..12 {
             let before_j =
                 std::mem::replace(&mut energy_j, flow.step(0.1).expect("finite").kinetic_energy_j);
-            assert!(energy_j < before_j, "{viscosity_m2_s}: {before_j} {energy_j}");
+            // What the pressure of the last step overshoots by is up to the guard.
+            assert!(energy_j <= 1.001 * before_j, "{viscosity_m2_s}: {before_j} {energy_j}");
         }
+        assert!(energy_j < 0.05 * first_j, "{viscosity_m2_s}: {energy_j} of {first_j}");
     }
 }
 

@@ -19,7 +19,8 @@ pub enum Side {
     Moving(Vec3),
     /// An opening through which it comes (or is drawn off) at this velocity in m/s.
     Inflow(Vec3),
-    /// An opening with the pressure of rest behind it, through which it leaves as it likes.
+    /// An opening through which it leaves as it likes, and beyond which all is at rest: what comes
+    /// back in brings no energy, nor any velocity along the side.
     Outflow,
     /// No side at all: what leaves here enters at the opposite side, which is periodic too.
     Periodic,
@@ -52,7 +53,7 @@ impl Side {
     /// True if it can put energy into the flow.
     #[must_use]
     pub fn drives(&self) -> bool {
-        matches!(self, Self::Moving(_) | Self::Inflow(_) | Self::Outflow)
+        matches!(self, Self::Moving(_) | Self::Inflow(_))
     }
 }
 
@@ -167,5 +168,6 @@ mod tests {
         let lid = Side::Moving(Vec3::new(1.0, 2.0, 3.0));
         assert_eq!(lid.velocity_m_s(1), Some(Vec3::new(1.0, 0.0, 3.0)));
         assert_eq!(Side::Outflow.velocity_m_s(0), None);
+        assert!(lid.drives() && !Side::Outflow.drives());
     }
 }

@@ -88,7 +88,8 @@ impl Books {
     /// gave is at most what Cauchy and Schwarz allow for:
     /// sqrt(E) grows by dt sqrt(sum rho h^3 f^2 / 2). Gains of several steps add up, so that
     /// none is too small to be seen. An obstacle of that speed sets the liquid in motion at once,
-    /// in sum no faster than [`WALL_SPEEDS`] times itself. Sides that drive give what they like.
+    /// in sum no faster than [`WALL_SPEEDS`] times itself. Sides that drive give what they like,
+    /// those that are open nothing.
     pub fn energy(
         &mut self,
         world: &World<'_>,

@@ -246,6 +246,7 @@ fn both_sides(draws: &mut Rand64, is_driven: bool, speed_m_s: f32) -> [Side; 2] 
     [(); 2].map(|()| match draws.rand_float() {
         share if share < 0.45 => Side::NoSlip,
         share if is_driven && share < 0.75 => Side::Moving(velocity),
+        share if share >= 0.94 => Side::Outflow,
         _ => Side::FreeSlip,
     })
 }

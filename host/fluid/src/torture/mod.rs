@@ -8,7 +8,7 @@
 //! Nothing but the public API is used. What is asked of each seed:
 //! - every velocity is finite, and none above the crate's cap;
 //! - kinetic energy is never above what it was plus what pushes, forces, gravity and moving
-//!   obstacles gave (unless a side drives);
+//!   obstacles gave (unless a side drives: open ones do not);
 //! - the mass of each substance is what was poured and neither drained nor carried out, to 1e-5 of
 //!   what was poured, and every fraction is from 0 to 1;
 //! - where viscosity acts and nothing drives, the liquid comes to rest (or decays as it has to,

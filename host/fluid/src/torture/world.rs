@@ -13,7 +13,8 @@ use crate::{
     pool::Pool,
     simd::SimdClass,
     solver::{
-        Motion, Obstacle, ObstacleId, Refused, Setup, SetupError, Solver, StepReport, flow::Flow,
+        Motion, Obstacle, ObstacleId, Refused, Setup, SetupError, Side, Solver, StepReport,
+        flow::Flow,
     },
     substance::{Substances, TransportReport},
 };
@@ -170,7 +171,10 @@ impl<'a> World<'a> {
         if self.case.substances.iter().all(|s| s.properties.density_kg_m3 == liquid) {
             return 0.0;
         }
-        let mass_kg = self.flow.liquid_cells() as f64 * self.heaviest_cell_kg();
+        // Half of what passes an open lid is beyond it.
+        let [nx, _, nz] = self.case.grid.cells;
+        let above = if self.case.sides.0[1][1] == Side::Outflow { nx * nz } else { 0 };
+        let mass_kg = (self.flow.liquid_cells() + above) as f64 * self.heaviest_cell_kg();
         0.5 * mass_kg * f64::from(self.case.gravity_m_s2).powi(2)
     }
 

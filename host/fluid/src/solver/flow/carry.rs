@@ -13,6 +13,7 @@ use crate::solver::{
         field::{BLOCK, Vector, components, cut},
         ghosts::Fill,
         mixture::{Pull, accelerating},
+        openings::slow_incoming,
         pressure::Projected,
         step::check_step,
         survey::Survey,
@@ -103,9 +104,11 @@ impl Flow {
         let on = Engine { pool, simd: *simd, faces };
         let tracer = Tracer::new(layout, ghosts);
         ghosts.fill(velocity, Fill::Carried);
+        slow_incoming(layout, faces, velocity);
         let along = components(velocity);
         let (from, out): ([&[f32]; 3], &mut Vector) = if is_reflected {
             ghosts.fill(first, Fill::Carried);
+            slow_incoming(layout, faces, first);
             (components(first), second)
         } else {
             (along, first)
@@ -126,7 +129,7 @@ impl Flow {
             },
         );
         faces.hold(out);
-        ghosts.fill(out, Fill::Unprojected);
+        ghosts.fill(out, Fill::Inside);
     }
 
     fn trace_once(&mut self, carriage: Carriage, dt_s: f64) {
@@ -135,6 +138,7 @@ impl Flow {
         let on = Engine { pool, simd: *simd, faces };
         let tracer = Tracer::new(layout, ghosts);
         ghosts.fill(velocity, Fill::Carried);
+        slow_incoming(layout, faces, velocity);
         let u = components(velocity);
         tracer.visit(
             on,
@@ -144,11 +148,12 @@ impl Flow {
         );
         faces.hold(once);
         if carriage == Carriage::SemiLagrangian {
-            ghosts.fill(once, Fill::Unprojected);
+            ghosts.fill(once, Fill::Inside);
             std::mem::swap(velocity, once);
             return;
         }
         ghosts.fill(once, Fill::Carried);
+        slow_incoming(layout, faces, once);
         let moved = components(once);
         tracer.visit(
             on,
@@ -172,7 +177,7 @@ impl Flow {
             },
         );
         faces.hold(out);
-        ghosts.fill(out, Fill::Unprojected);
+        ghosts.fill(out, Fill::Inside);
         std::mem::swap(velocity, out);
     }
 

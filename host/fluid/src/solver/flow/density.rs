@@ -11,6 +11,7 @@ use crate::solver::flow::{
     field::{FaceRuns, Field, Layout, Run, Vector, components, cut, cut_mut},
     ghosts::Ghosts,
     inventory::bytes,
+    openings::visit_unreached,
 };
 
 /// What density makes of faces and cells, all per density of the flow.
@@ -128,6 +129,9 @@ impl Density {
                     }
                 },
             );
+        });
+        visit_unreached(layout, on.faces, |c, at| {
+            out[c][at] += share * self.lightness[c][at] * pressure[at - layout.strides()[c]];
         });
     }
 

@@ -32,6 +32,8 @@ pub struct Faces {
     pub vessel: Option<VesselFaces>,
     /// True if there is nothing that walls cut.
     pub is_box: bool,
+    /// The sides of the box.
+    pub sides: Sides,
 }
 
 /// The cut faces of a vessel.
@@ -80,7 +82,7 @@ impl Faces {
 
     fn of_box(layout: &Layout, sides: &Sides) -> Self {
         let [nx, ny, nz] = layout.cells;
-        let mut faces = Self::none(layout, None);
+        let mut faces = Self::none(layout, sides, None);
         faces.live_rows.fill(0..ny);
         faces.liquid_cells = nx * ny * nz;
         for (i, j, k) in cells(layout.cells) {
@@ -101,7 +103,7 @@ impl Faces {
             walls: WallFaces::new(layout),
             solids: None,
         };
-        let mut faces = Self::none(layout, Some(vessel));
+        let mut faces = Self::none(layout, section.sides, Some(vessel));
         faces.refresh(section, depth, &layout.cells.map(|n| 0..n));
         for (k, rows) in faces.live_rows.iter_mut().enumerate() {
             let is_live = |j: &usize| {
@@ -114,13 +116,14 @@ impl Faces {
         faces
     }
 
-    fn none(layout: &Layout, vessel: Option<VesselFaces>) -> Self {
+    fn none(layout: &Layout, sides: &Sides, vessel: Option<VesselFaces>) -> Self {
         Self {
             open: layout.zero_vector(),
             liquid: layout.zeros(),
             live_rows: vec![0..0; layout.cells[2]],
             liquid_cells: 0,
             is_box: vessel.is_none(),
+            sides: *sides,
             vessel,
         }
     }
@@ -170,6 +173,11 @@ impl Faces {
                 self.open[axis][above] = f32::from(upper && is_passed(axis, above));
             }
         }
+    }
+
+    /// True if the side lets out what comes.
+    pub fn is_free(&self, axis: usize, end: usize) -> bool {
+        self.sides.0[axis][end] == Side::Outflow
     }
 
     /// What obstacles do, if there are any.

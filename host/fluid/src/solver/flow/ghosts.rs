@@ -4,13 +4,14 @@
 //! side        velocity through it      velocity along it     pressure
 //! slides      0                        u_ghost = u           none: the face is set
 //! sticks      that of the side, U      of a parabola         none: the face is set
-//! free        that of the next face    u_ghost = u           0
+//! free        its own                  u_ghost = u           0
 //! periodic    all are those of the opposite side
 //! ```
 //! (Harlow, Welch 1965; Ferziger, Peric 2002.) The parabola is that through the side and the
 //! first two values: with a straight line, u_ghost = 2 U - u, a boundary layer of a few cells
-//! comes out too weak. What passes a free side is set from inside
-//! before a projection, which then corrects it like any face within.
+//! comes out too weak. What passes a free side moves like any face within (see
+//! [`super::openings`]) or, where a scheme knows nothing of it, is set from inside before a
+//! projection, which then corrects it.
 
 use crate::solver::{
     Side, Sides,
@@ -43,6 +44,8 @@ pub struct Ghosts {
 pub enum Fill {
     /// A velocity that a projection follows on.
     Unprojected,
+    /// The same, but what passes free sides is not known: it is as before them.
+    Inside,
     /// A velocity as it is to be.
     Projected,
     /// A velocity to be interpolated: ghosts are on a straight line through the side, so that
@@ -165,6 +168,10 @@ impl Ghosts {
         let (plane, nz) = (self.layout.plane, self.layout.cells[2]);
         let along = Line { start: 0, step: 1, len: plane };
         self.fill_axis(2, c, field, nz, (plane, plane), along, 0, fill);
+        if c == 2 && self.is_free(2, 1) {
+            // The faces on the side have ghosts of their own.
+            self.fill_plane(c, nz, &mut field[(nz + 1) * plane..][..plane], fill);
+        }
     }
 
     /// Sets what passes the lower z side in its plane of w, where the side says it.
@@ -346,7 +353,7 @@ impl Ghosts {
                 Rule::Slides if c == axis => set(array, side, 0.0),
                 Rule::Slides => copy(array, inner, ghost, 1.0),
                 Rule::Free if c == axis => {
-                    if fill != Fill::Projected {
+                    if fill == Fill::Inside {
                         let before = line(if end == 0 { 1 } else { n - 1 });
                         copy(array, before, side, 1.0);
                     }

@@ -56,9 +56,10 @@ impl Solver for Flow {
     }
 
     fn visit(&self, visit: &mut VisitVelocity<'_>) {
-        self.visit_open(&self.faces.open, |c, at, point| {
-            visit(point, c, f64::from(self.velocity[c][at]))
-        });
+        let mut visit =
+            |c: usize, at: usize, point| visit(point, c, f64::from(self.velocity[c][at]));
+        self.visit_open(&self.faces.open, &mut visit);
+        self.visit_open_above(&self.faces, &mut visit);
     }
 
     fn divergence_l2_per_s(&self) -> f64 {

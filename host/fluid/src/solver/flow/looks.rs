@@ -108,7 +108,7 @@ impl Flow {
             ghosts.extend_cells(size);
             calm(on, layout, components(velocity), size, out);
             mem::swap(velocity, out);
-            ghosts.fill(velocity, Fill::Unprojected);
+            ghosts.fill(velocity, Fill::Inside);
         }
         self.looks = Some(looking);
         self.survey = None;

@@ -303,7 +303,7 @@ impl Flow {
         let weighs = mixture.is_weighty || self.obstacles.is_some();
         let beyond = (self.ghosts.is_any_free() && !mixture.is_weighty)
             .then_some((self.pure.density_kg_m3 / self.density_kg_m3) as f32);
-        mixture.set_buoyancy(&self.layout, &self.faces.open, self.gravity_m_s2, weighs, beyond);
+        mixture.set_buoyancy(&self.layout, &self.faces, self.gravity_m_s2, weighs, beyond);
     }
 
     fn range(&self, field: &Field) -> Range {

@@ -14,8 +14,9 @@ use crate::solver::flow::{
     Force,
     density::Density,
     engine::Engine,
-    faces::cells,
+    faces::{Faces, cells},
     field::{Field, Layout, Run, Vector, components, cut, cut_mut},
+    openings,
     thick::Thick,
 };
 
@@ -109,7 +110,7 @@ impl Mixture {
     pub fn set_buoyancy(
         &mut self,
         layout: &Layout,
-        open: &Vector,
+        faces: &Faces,
         gravity_m_s2: DVec3,
         weighs: bool,
         beyond: Option<f32>,
@@ -121,27 +122,28 @@ impl Mixture {
                 out.fill(0.0);
                 continue;
             }
-            let (stride, density, open) = (layout.strides()[c], &*self.density, &*open[c]);
+            let (stride, density, open) = (layout.strides()[c], &*self.density, &*faces.open[c]);
             let mean = |at: usize| 0.5 * (density[at] + density[at - stride]);
             let floating = &mut self.floating[..layout.cells[c]];
             floating.fill(f32::INFINITY);
-            let faces = || {
+            let open_faces = || {
                 let all = cells(layout.cells).map(|(i, j, k)| ([i, j, k], layout.index(i, j, k)));
                 all.filter(|(_, at)| open[*at] > 0.0)
             };
             if let Some(density) = beyond {
                 floating.fill(density);
             } else {
-                for (face, at) in faces() {
+                for (face, at) in open_faces() {
                     floating[face[c]] = floating[face[c]].min(mean(at));
                 }
             }
-            for (face, at) in faces() {
+            for (face, at) in open_faces() {
                 let weight = if weighs { mean(at).max(floating[face[c]]) } else { 1.0 };
                 out[at] = gravity * (mean(at) - floating[face[c]]) / weight;
                 self.largest_m_s2 = self.largest_m_s2.max(f64::from(out[at].abs()));
             }
         }
+        openings::extend_above(layout, faces, &mut self.buoyancy_m_s2);
     }
 
     /// Sums up what accelerates the liquid besides its own flow, if that is more than gravity.
@@ -157,11 +159,15 @@ impl Mixture {
             return;
         }
         self.sum_up(on, layout, force, scale);
-        if let (Some(pressure), Some((density, _)), true) = (pressure, &self.weight, is_weighty) {
-            density.press(on, layout, pressure, 1.0, &mut self.total_m_s2);
-        }
         if let (Some(velocity), Some(thick)) = (slowed, &mut self.thick) {
             thick.slow(on, velocity, &mut self.total_m_s2);
+            // Friction knows of no face on a side.
+            openings::extend(layout, on.faces, &mut self.total_m_s2);
+        } else {
+            openings::extend_above(layout, on.faces, &mut self.total_m_s2);
+        }
+        if let (Some(pressure), Some((density, _)), true) = (pressure, &self.weight, is_weighty) {
+            density.press(on, layout, pressure, 1.0, &mut self.total_m_s2);
         }
     }
 

@@ -21,6 +21,7 @@ mod medium;
 mod mixture;
 mod momentum;
 mod obstacles;
+mod openings;
 mod outflow;
 mod poisson;
 mod pressure;
@@ -53,6 +54,7 @@ use self::{
     medium::sound_gravity,
     mixture::{Mixture, working},
     obstacles::Obstacles,
+    openings::{Openings, survey_sides, visit_above},
     pressure::{Prediction, Projection},
     stages::History,
     survey::Survey,
@@ -98,6 +100,7 @@ pub struct Flow {
     layout: Layout,
     faces: Faces,
     ghosts: Ghosts,
+    openings: Openings,
     obstacles: Option<Box<Obstacles>>,
     /// True if a side can put energy in.
     is_driven: bool,
@@ -197,6 +200,7 @@ impl Flow {
             excess_m2_s2: 0.0,
             forced: None,
             may_sleep: true,
+            openings: Openings::new(&layout, &faces),
             layout,
             faces,
             ghosts,
@@ -325,7 +329,9 @@ impl Flow {
         self.survey.unwrap_or_else(|| {
             let force = working(self.force.as_ref(), self.mixture.as_deref());
             let velocity = components(&self.velocity);
-            Survey::new(self.engine(), &self.layout, velocity, force, self.masses())
+            let (on, mass) = (self.engine(), self.masses());
+            let on_sides = survey_sides(&self.layout, on.faces, velocity, force, mass);
+            Survey::new(on, &self.layout, velocity, force, mass, on_sides)
         })
     }
 
@@ -346,6 +352,15 @@ impl Flow {
         }
     }
 
+    /// The same for those on upper sides that let out what comes.
+    fn visit_open_above(&self, faces: &Faces, visit: &mut impl FnMut(usize, usize, DVec3)) {
+        visit_above(&self.layout, faces, |c, at, face| {
+            if faces.open[c][at] > 0.0 {
+                visit(c, at, self.face_in_world_m(c, face));
+            }
+        });
+    }
+
     /// Samples `field` into `out` on the faces that are open once no obstacle covers them; returns
     /// the largest magnitude.
     fn sample(
@@ -357,12 +372,15 @@ impl Flow {
     ) -> Result<f64, Refused> {
         let mut largest = Ok(0.0f64);
         out.iter_mut().for_each(|out| out.fill(0.0));
-        self.visit_open(&self.bare().open, |c, at, point| {
+        let mut set = |c: usize, at: usize, point: DVec3| {
             let value = field(point)[c];
             out[c][at] = value as f32;
             largest = largest
                 .and_then(|so_far| within(what, value, limit).map(|value| so_far.max(value.abs())));
-        });
+        };
+        let faces = self.bare();
+        self.visit_open(&faces.open, &mut set);
+        self.visit_open_above(faces, &mut set);
         largest
     }
 }

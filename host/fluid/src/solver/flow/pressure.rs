@@ -21,6 +21,7 @@ use crate::{
         },
         ghosts::{Fill, Ghosts},
         krylov::Operator,
+        openings::survey_sides,
         poisson::{
             Poisson, Room, Source,
             lanes::{each, subtract},
@@ -207,17 +208,22 @@ impl Projection {
             let last = cut(psi, nz * layout.plane, layout.plane);
             let top = cut_mut(&mut velocity[2], (nz + 1) * layout.plane, layout.plane);
             match density {
-                None => top.iter_mut().zip(last).for_each(|(w, psi)| *w += psi),
+                None => top.iter_mut().zip(last).for_each(|(w, psi)| *w = rested(*w + psi)),
                 Some(density) => {
                     let lightness =
                         cut(&density.lightness[2], (nz + 1) * layout.plane, layout.plane);
                     let pairs = last.iter().zip(lightness);
-                    top.iter_mut().zip(pairs).for_each(|(w, (psi, light))| *w += light * psi);
+                    let next = |w: f32, (psi, light): (&f32, &f32)| rested(w + light * psi);
+                    top.iter_mut().zip(pairs).for_each(|(w, pair)| *w = next(*w, pair));
                 }
             }
         }
         for (c, field) in velocity.iter_mut().enumerate() {
             ghosts.fill_ends(c, field, Fill::Projected);
+        }
+        if let Telling::All(force) = telling {
+            let on_sides = survey_sides(&layout, on.faces, components(velocity), force, mass);
+            return Survey::from_parts(Survey::combine(parts, on_sides));
         }
         Survey::from_parts(parts)
     }
@@ -310,6 +316,12 @@ fn set_residual(
     let combine = |a: [f64; 4], b: [f64; 4]| [a[0] + b[0], a[1] + b[1], 0.0, 0.0];
     let [square, speed_square, ..] = on.pool.fold(None, outs, [layout.plane], body, combine);
     [square, speed_square]
+}
+
+/// At rest means at rest.
+#[inline(always)]
+fn rested(u: f32) -> f32 {
+    if u.abs() < REST_M_S { 0.0 } else { u }
 }
 
 #[inline(always)]

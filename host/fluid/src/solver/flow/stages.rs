@@ -9,6 +9,7 @@ use crate::solver::flow::{
     ghosts::Fill,
     mixture::{Accelerating, Pull, accelerating, working},
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
+    openings::Beside,
     pressure::Prediction,
     reaction::{Solved, Viscosity},
     step::Part,
@@ -104,7 +105,8 @@ impl Flow {
         let advance = self.multistep(part, true);
         let terms = self.terms(part, advance.force_at(), true);
         let scale = part.scale_at(advance.force_at());
-        let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
+        let Self { layout, faces, ghosts, openings, velocity, stage: [out, history], .. } = self;
+        let (pool, simd) = (&self.pool, &self.simd);
         let on = Engine { pool, simd: *simd, faces };
         let pull = Pull { slowed: Some(components(velocity)), ..Pull::of(scale) };
         let force = accelerating(on, layout, &self.force, &mut self.mixture, pull).force;
@@ -131,6 +133,7 @@ impl Flow {
             hold(on, stage, k, run, Weights::of(terms, advance.new_s), [x, y, z]);
             correct(on, stage, k, rates, [gx, gy, gz]);
         });
+        openings.extrapolate(Beside { stage, faces }, advance, [history, out]);
         if faces.is_box {
             ghosts.fill_ends(2, &mut out[2], Fill::Unprojected);
         } else {
@@ -152,7 +155,8 @@ impl Flow {
         let number = self.diffusion_number(part.dt_s);
         let scale = part.scale_at(rates.force_at());
         let is_uniform = self.thick_per_s().is_none();
-        let Self { layout, faces, ghosts, velocity, stage: [out, history], pool, simd, .. } = self;
+        let Self { layout, faces, ghosts, openings, velocity, stage: [out, history], .. } = self;
+        let (pool, simd) = (&self.pool, &self.simd);
         let on = Engine { pool, simd: *simd, faces };
         let Accelerating { force, pressure } =
             accelerating(on, layout, &self.force, &mut self.mixture, Pull::of(scale));
@@ -184,6 +188,7 @@ impl Flow {
                 correct(on, stage, k, rates, [gx, gy, gz]);
             }
         });
+        openings.relax(Beside { stage, faces }, advance, !is_uniform, [history, out]);
         if let Some(weight) = self.mixture.as_ref().and_then(|mixture| mixture.weight()) {
             weight.press(on, layout, &self.pressure.next, dt_s, out);
         }
@@ -192,7 +197,6 @@ impl Flow {
             return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
         }
         let Some(viscous) = &mut self.viscous else { return 0 };
-        viscous.forget_sides(faces, ghosts, velocity, out, number as f32);
         ghosts.fill(out, Fill::Difference);
         let (s, room) = (theta * number, self.projection.room());
         let iterations = viscous.solve(on, ghosts, room, s as f32, out, velocity);
@@ -235,7 +239,7 @@ impl Flow {
             return thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity);
         }
         let Some(viscous) = &mut self.viscous else { return 0 };
-        viscous.set_rhs(on, ghosts, velocity, rhs, number as f32);
+        viscous.set_rhs(on, velocity, rhs, number as f32);
         let (s, room) = (theta * number, self.projection.room());
         let iterations = viscous.solve(on, ghosts, room, s as f32, rhs, velocity);
         if let Some(obstacles) = &mut self.obstacles {
@@ -249,7 +253,8 @@ impl Flow {
     /// One part in three stages, explicit throughout.
     pub(super) fn run_stages(&mut self, part: Part) {
         let terms = STAGES.map(|(.., at)| self.terms(part, at, true));
-        let Self { layout, faces, ghosts, velocity, stage, pressure, pool, simd, .. } = self;
+        let Self { layout, faces, ghosts, openings, velocity, stage, pressure, .. } = self;
+        let (pool, simd) = (&self.pool, &self.simd);
         let [first, second] = stage;
         let on = Engine { pool, simd: *simd, faces };
         for (index, (start_share, own_share, at)) in STAGES.into_iter().enumerate() {
@@ -290,6 +295,7 @@ impl Flow {
                     hold(on, stage, k, run, weights, out);
                 }
             });
+            openings.advance(Beside { stage, faces }, advance, to);
             faces.hold(to);
             ghosts.fill(to, Fill::Unprojected);
         }

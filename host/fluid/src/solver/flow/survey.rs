@@ -22,20 +22,23 @@ pub struct Survey {
 
 impl Survey {
     /// Surveys `velocity`; `force` is the acceleration that works on it, `mass` that of faces,
-    /// unless all are whole and alike.
+    /// unless all are whole and alike; `on_sides` the survey of
+    /// what no cell has.
     pub fn new(
         on: Engine<'_>,
         layout: &Layout,
         velocity: [&[f32]; 3],
         force: Option<[&[f32]; 3]>,
         mass: Option<&Vector>,
+        on_sides: [f64; 4],
     ) -> Self {
         let body = |k: usize, _: [&mut [f32]; 0]| {
             let velocity = velocity.map(|u| cut(u, (k + 1) * layout.plane, layout.plane));
             let force = force.map(|f| f.map(|f| cut(f, (k + 1) * layout.plane, layout.plane)));
             survey_plane(on, layout, velocity, force, mass, k)
         };
-        Self::from_parts(on.pool.fold(Some(layout.cells[2]), [], [], body, Self::combine))
+        let parts = on.pool.fold(Some(layout.cells[2]), [], [], body, Self::combine);
+        Self::from_parts(Self::combine(parts, on_sides))
     }
 
     /// The survey of the whole from that of all planes.

@@ -13,6 +13,7 @@ use crate::solver::flow::{
     field::{Layout, Run, Vector, components, cut, cut_mut},
     ghosts::{Fill, Ghosts},
     inventory::bytes,
+    openings,
     stress::Stress,
 };
 
@@ -117,6 +118,7 @@ impl Thick {
         let small = square * TOLERANCE * TOLERANCE;
         let mut iterations = 0;
         while square > small && iterations < MAX_ITERATIONS {
+            openings::extend(&self.layout, on.faces, &mut self.direction);
             ghosts.fill(&mut self.direction, Fill::Difference);
             let shares = [1.0, s];
             let Self { stress, direction, product, .. } = &mut *self;
@@ -129,7 +131,7 @@ impl Thick {
             square = next;
             iterations += 1;
         }
-        ghosts.fill(velocity, Fill::Unprojected);
+        ghosts.fill(velocity, Fill::Inside);
         iterations
     }
 

@@ -12,17 +12,13 @@
 //! matrix is symmetric and positive definite for any walls, so elsewhere conjugate gradients
 //! (Hestenes, Stiefel 1952) solve it, for the three components at once.
 
-use crate::{
-    solver::flow::{
-        engine::Engine,
-        faces::{Faces, VesselFaces},
-        field::{
-            FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut, vector_bytes,
-        },
-        ghosts::{Fill, Ghosts},
-        poisson::{Modal, Room},
-    },
-    vessel::cut::each,
+use crate::solver::flow::{
+    engine::Engine,
+    faces::{Faces, VesselFaces},
+    field::{FaceRuns, Lanes, Layout, Run, Star, Vector, components, cut, cut_mut, vector_bytes},
+    ghosts::{Fill, Ghosts},
+    openings::{apply_on_sides, visit_above, visit_unreached, weigh_above},
+    poisson::{Modal, Room},
 };
 
 /// The residual falls to this part of the right side, which is a change ...
@@ -86,48 +82,14 @@ impl Viscous {
     }
 
     /// rhs = -a D u, the change that viscosity alone would make of `velocity`, a = nu dt / h^2.
-    pub fn set_rhs(
-        &self,
-        on: Engine<'_>,
-        ghosts: &Ghosts,
-        velocity: &Vector,
-        rhs: &mut Vector,
-        a: f32,
-    ) {
-        apply(on, &self.layout, ghosts, components(velocity), rhs, [0.0, -a]);
+    pub fn set_rhs(&self, on: Engine<'_>, velocity: &Vector, rhs: &mut Vector, a: f32) {
+        apply(on, &self.layout, components(velocity), rhs, [0.0, -a]);
         if let Some(vessel) = &on.faces.vessel {
             vessel.walls.weigh(rhs, true);
+            weigh_above(&self.layout, on.faces, rhs, true);
             if let Some(solids) = &vessel.solids {
                 solids.pull(rhs, a);
             }
-        }
-    }
-
-    /// Takes from a change what friction with the faces on sides that let out what comes has made of
-    /// it, a = nu dt / h^2: the matrix knows of none, as such a face changes with the next one. What
-    /// one side has and the other lacks, a thick liquid would be driven by.
-    pub fn forget_sides(
-        &self,
-        faces: &Faces,
-        ghosts: &Ghosts,
-        velocity: &Vector,
-        change: &mut Vector,
-        a: f32,
-    ) {
-        let layout = &self.layout;
-        let free = |axis: usize| [0, 1].into_iter().filter(move |end| ghosts.is_free(axis, *end));
-        for (c, end) in (0..3).flat_map(|c| free(c).map(move |end| (c, end))) {
-            let mut cells = layout.cells.map(|n| 0..n);
-            cells[c] = [0..1, layout.cells[c]..layout.cells[c] + 1][end].clone();
-            each(&cells, |[i, j, k]| {
-                let side = layout.index(i, j, k);
-                let before = [side + layout.strides()[c], side - layout.strides()[c]][end];
-                let share = faces.vessel.as_ref().map_or(1.0, |vessel| {
-                    let share = vessel.walls.share_towards(layout, c, before, end);
-                    share.unwrap_or(faces.open[c][before])
-                });
-                change[c][before] -= a * share * (velocity[c][side] - velocity[c][before]);
-            });
         }
     }
 
@@ -173,11 +135,7 @@ fn iterate(
 ) -> u32 {
     if let Some(vessel) = &on.faces.vessel {
         vessel.walls.weigh(residual, false);
-        let planes = residual.each_mut().map(|out| layout.planes(out));
-        let [x, y, z] = planes.map(|planes| planes.chunks_exact_mut(layout.plane));
-        for (k, ((x, y), z)) in x.zip(y).zip(z).enumerate() {
-            leave_out_sides(on, layout, ghosts, components(velocity), k, [x, y, z]);
-        }
+        weigh_above(layout, on.faces, residual, false);
     }
     let mut square = norm(on, layout, components(residual));
     let speed_square = norm(on, layout, components(velocity));
@@ -189,7 +147,7 @@ fn iterate(
     let mut iterations = 0;
     while square > small && iterations < MAX_ITERATIONS {
         ghosts.fill(direction, Fill::Difference);
-        let curvature = apply(on, layout, ghosts, components(direction), product, [1.0, s]);
+        let curvature = apply(on, layout, components(direction), product, [1.0, s]);
         if curvature <= 0.0 || !curvature.is_finite() {
             break;
         }
@@ -209,13 +167,12 @@ fn iterate(
 fn apply(
     on: Engine<'_>,
     layout: &Layout,
-    ghosts: &Ghosts,
     u: [&[f32]; 3],
     out: &mut Vector,
     shares: [f32; 2],
 ) -> f64 {
     let outs = out.each_mut().map(|out| layout.planes(out));
-    on.pool.planes_sum(outs, [layout.plane; 3], |k, [x, y, z]| {
+    let within = on.pool.planes_sum(outs, [layout.plane; 3], |k, [x, y, z]| {
         let sum = on.run(
             layout,
             k,
@@ -227,47 +184,12 @@ fn apply(
             },
         )[0];
         let beside_walls = |vessel: &VesselFaces| {
-            let out = [&mut *x, &mut *y, &mut *z];
+            let out = [x, y, z];
             vessel.walls.apply(layout, u, k, shares, out)
-                - leave_out_sides(on, layout, ghosts, u, k, [x, y, z])
         };
         sum + on.faces.vessel.as_ref().map_or(0.0, beside_walls)
-    })
-}
-
-/// Sets plane `k` of `out` to 0 on sides that let out what comes: there a velocity is not solved
-/// for, but that of the next face within, and with it as another unknown the matrix beside cut
-/// faces is not symmetric. Returns what they had of the sum of u `out`.
-fn leave_out_sides(
-    on: Engine<'_>,
-    layout: &Layout,
-    ghosts: &Ghosts,
-    u: [&[f32]; 3],
-    k: usize,
-    [x, y, z]: [&mut [f32]; 3],
-) -> f64 {
-    let Some(run) = on.live_run(layout, k) else { return 0.0 };
-    let (mut sum, [nx, ny, _]) = (0.0, layout.cells);
-    let mut leave_out = |c: usize, out: &mut [f32], to: usize| {
-        sum += f64::from(u[c][(k + 1) * layout.plane + to]) * f64::from(out[to]);
-        out[to] = 0.0;
-    };
-    let cells = run.to..run.to + run.len;
-    let free = |axis: usize, places: [usize; 2]| {
-        [0, 1].into_iter().filter(move |end| ghosts.is_free(axis, *end)).map(move |end| places[end])
-    };
-    for place in free(0, [0, nx]) {
-        let rows = (0..ny).map(|j| layout.index_in_plane(place, j));
-        rows.filter(|to| cells.contains(to)).for_each(|to| leave_out(0, x, to));
-    }
-    for place in free(1, [0, ny]) {
-        let row = (0..nx).map(|i| layout.index_in_plane(i, place));
-        row.filter(|to| cells.contains(to)).for_each(|to| leave_out(1, y, to));
-    }
-    if k == 0 && ghosts.is_free(2, 0) {
-        cells.for_each(|to| leave_out(2, z, to));
-    }
-    sum
+    });
+    within + apply_on_sides(layout, on.faces, u, out, shares)
 }
 
 #[inline(always)]
@@ -290,14 +212,17 @@ fn apply_row<const C: usize>(
 }
 
 fn norm(on: Engine<'_>, layout: &Layout, u: [&[f32]; 3]) -> f64 {
-    on.pool.sum(layout.cells[2], |k| {
+    let mut on_sides = 0.0;
+    visit_above(layout, on.faces, |c, at, _| on_sides += f64::from(u[c][at]).powi(2));
+    let within = on.pool.sum(layout.cells[2], |k| {
         on.rows(
             layout,
             k,
             #[inline(always)]
             |Run { at, len, .. }, [sum, _]| FaceRuns::new(layout, u, at, len).add_squares(sum),
         )[0]
-    })
+    });
+    within + on_sides
 }
 
 /// out = share out + alpha u.
@@ -321,6 +246,9 @@ fn combine(
                 combine_row(share, cut_mut(z, to, len), alpha, cut(u[2], at, len));
             },
         );
+    });
+    visit_unreached(layout, on.faces, |c, at| {
+        out[c][at] = share * out[c][at] + alpha * u[c][at];
     });
 }
 
@@ -374,7 +302,7 @@ mod tests {
                 let asked = rhs.each_ref().map(|field| field.to_vec());
                 assert_eq!(viscous.solve(on, &ghosts, &mut room, s, &mut rhs, &mut change), 0);
                 ghosts.fill(&mut change, Fill::Difference);
-                apply(on, &layout, &ghosts, components(&change), &mut back, [1.0, s]);
+                apply(on, &layout, components(&change), &mut back, [1.0, s]);
                 for (c, (i, j, k)) in (0..3).flat_map(|c| cells(size).map(move |cell| (c, cell))) {
                     let at = layout.index(i, j, k);
                     let miss = back[c][at] - faces.open[c][at] * asked[c][at];

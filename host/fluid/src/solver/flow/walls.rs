@@ -226,12 +226,11 @@ impl WallFaces {
         self.of_component(c).for_each(|face| visit(face.at as usize, face.drag));
     }
 
-    /// What friction with the neighbour before (0) or behind it (1) along its own axis weighs in the
-    /// change of a face; `None` if no wall is beside it.
-    pub fn share_towards(&self, layout: &Layout, c: usize, at: usize, end: usize) -> Option<f32> {
+    /// Inertia of a face; `None` if no wall is beside it.
+    pub fn inertia(&self, layout: &Layout, c: usize, at: usize) -> Option<f32> {
         let faces = self.0[c].get(layout.cell_of(at)[2])?;
         let index = faces.binary_search_by_key(&at, |face| face.at as usize).ok()?;
-        Some(faces[index].per_inertia * faces[index].areas[c][end])
+        Some(faces[index].inertia)
     }
 
     /// Multiplies by the inertia, or divides by it.
