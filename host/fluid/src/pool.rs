@@ -27,6 +27,15 @@ pub type Partial = [f64; 4];
 /// Spins before a waiting thread parks: at 40 to 140 ns each, 20 to 60 us.
 const SPINS: u32 = 500;
 
+/// Whose turn it is in a [`Pool::fold_with`].
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// The plane.
+    pub k: usize,
+    /// True if the thread has not had the plane before it.
+    pub is_first: bool,
+}
+
 /// More planes than this are computed by the caller alone, as there is no room for partials.
 const MAX_PLANES: usize = 4096;
 
@@ -238,6 +247,23 @@ impl Pool {
         plane_len: [usize; M],
         body: impl Fn(usize, [&mut [f32]; M], &mut [f32]) + Sync,
     ) {
+        let body = |turn: Turn, planes: [&mut [f32]; M], scratch: &mut [f32]| {
+            body(turn.k, planes, scratch);
+            [0.0; 4]
+        };
+        self.fold_with(scratch, outs, plane_len, body, |total, _| total);
+    }
+
+    /// As [`Pool::planes_with`], and combines what `body` returns, from zeros in the order of the
+    /// planes.
+    pub fn fold_with<const M: usize>(
+        &self,
+        scratch: &mut [f32],
+        outs: [&mut [f32]; M],
+        plane_len: [usize; M],
+        body: impl Fn(Turn, [&mut [f32]; M], &mut [f32]) -> Partial + Sync,
+        combine: impl Fn(Partial, Partial) -> Partial,
+    ) -> Partial {
         let count = (0..M).map(|m| outs[m].len() / plane_len[m].max(1)).min().unwrap_or(0);
         let outs = Planes { start: outs.map(<[f32]>::as_mut_ptr), plane_len };
         let share = scratch.len() / self.shared.threads;
@@ -247,10 +273,9 @@ impl Pool {
             // SAFETY: `count` planes fit in every array, and `deal` gives k away once; a part
             // is one thread, which works on one plane at a time, and all shares fit in scratch.
             let (planes, [scratch]) = unsafe { (outs.plane(k), scratch.plane(part)) };
-            body(k, planes, scratch);
-            [0.0; 4]
+            body(Turn { k, is_first: k == self.part_of(count, part).start }, planes, scratch)
         };
-        self.deal(count, plane_len.first().copied(), body, |total, _| total);
+        self.deal(count, plane_len.first().copied(), body, combine)
     }
 
     /// Cuts all planes of `array` (of `plane_len` values each) across into columns of `width`

@@ -208,7 +208,7 @@ impl Flow {
 
     /// Projects; obstacles are pressed `times` as hard.
     fn clear_and_count(&mut self, report: &mut StepReport, times: f64) -> Survey {
-        let Projected { iterations, survey } = self.clear_divergence();
+        let Projected { iterations, survey } = self.clear_divergence(self.obstacles.is_some());
         self.press_obstacles(times);
         report.pressure_iterations += iterations;
         self.survey = Some(survey);

@@ -13,6 +13,9 @@
 //! [`super::openings`]) or, where a scheme knows nothing of it, is set from inside before a
 //! projection, which then corrects it.
 
+mod line;
+
+use self::line::{Line, copy, extrapolate, mirror, put, set};
 use crate::solver::{
     Side, Sides,
     flow::{
@@ -55,27 +58,8 @@ pub enum Fill {
     Difference,
 }
 
-/// A line of ghosts or of what they are made of: where it starts, and the step along it.
-#[derive(Clone, Copy)]
-struct Line {
-    start: usize,
-    step: usize,
-    len: usize,
-}
-
 /// Fills both ends of one axis: of lines of values that are `stride` apart, the first at `first`.
 type FillAxis = fn(&Ghosts, usize, &mut [f32], usize, (usize, usize), Line);
-
-impl Line {
-    fn from(self, start: usize) -> Self {
-        Self { start, ..self }
-    }
-
-    /// Where its values lie, if they lie together.
-    fn range(self) -> std::ops::Range<usize> {
-        self.start..self.start + self.len
-    }
-}
 
 impl Ghosts {
     /// The ghosts of a grid with these sides.
@@ -174,8 +158,25 @@ impl Ghosts {
         }
     }
 
+    /// Fills the ghosts of plane `k` of all components once it is projected, and sets what passes
+    /// the lower z side.
+    pub fn close_plane(&self, k: usize, mut planes: [&mut [f32]; 3]) {
+        for (c, plane) in planes.iter_mut().enumerate() {
+            self.fill_plane(c, k, plane, Fill::Projected);
+        }
+        if k == 0 {
+            self.set_floor(planes[2]);
+        }
+    }
+
+    /// True if all sides are walls.
+    pub fn are_walls(&self) -> bool {
+        let is_wall = |rule: &Rule| matches!(rule, Rule::Slides | Rule::Sticks(_));
+        self.rules.iter().flatten().all(is_wall)
+    }
+
     /// Sets what passes the lower z side in its plane of w, where the side says it.
-    pub fn set_floor(&self, plane: &mut [f32]) {
+    fn set_floor(&self, plane: &mut [f32]) {
         match &self.rules[2][0] {
             Rule::Slides | Rule::Sticks(None) => plane.fill(0.0),
             Rule::Sticks(Some([_, _, w])) => plane.copy_from_slice(w),
@@ -375,75 +376,5 @@ impl Ghosts {
                 }
             }
         }
-    }
-}
-
-fn set(array: &mut [f32], to: Line, value: f32) {
-    if to.step == 1 {
-        array[to.range()].fill(value);
-    } else {
-        derive(array, to, [to; 2], |_, _| value);
-    }
-}
-
-/// to = sign from.
-fn copy(array: &mut [f32], from: Line, to: Line, sign: f32) {
-    if to.step == 1 && sign == 1.0 {
-        array.copy_within(from.range(), to.start);
-        return;
-    }
-    derive(array, to, [from; 2], |_, [from, _]| sign * from);
-}
-
-fn put(array: &mut [f32], to: Line, values: &[f32]) {
-    derive(array, to, [to; 2], |i, _| values[i]);
-}
-
-/// The ghost of the straight line through the side and the first value.
-fn mirror(array: &mut [f32], first: Line, side: Option<&[f32]>, ghost: Line) {
-    match side {
-        None => copy(array, first, ghost, -1.0),
-        Some(side) => derive(array, ghost, [first; 2], |i, [first, _]| 2.0 * side[i] - first),
-    }
-}
-
-/// The ghost of the parabola through the side, half a spacing away, and the first two values.
-fn extrapolate(array: &mut [f32], inner: [Line; 2], side: Option<&[f32]>, ghost: Line) {
-    let parabola =
-        |side: f32, [first, second]: [f32; 2]| (8.0 * side - 6.0 * first + second) * (1.0 / 3.0);
-    match side {
-        None => derive(array, ghost, inner, |_, inner| parabola(0.0, inner)),
-        Some(side) => derive(array, ghost, inner, |i, inner| parabola(side[i], inner)),
-    }
-}
-
-/// Sets each value of the line `to` to what `value` makes of its place and of those beside it in
-/// two other lines.
-#[inline(always)]
-fn derive(
-    array: &mut [f32],
-    to: Line,
-    [first, second]: [Line; 2],
-    value: impl Fn(usize, [f32; 2]) -> f32,
-) {
-    if to.step > 1 && to.start.max(first.start).max(second.start) < to.step {
-        // One value of each row: within a row no index can be out of bounds.
-        for (i, row) in array.chunks_exact_mut(to.step).take(to.len).enumerate() {
-            row[to.start] = value(i, [row[first.start], row[second.start]]);
-        }
-        return;
-    }
-    let lines = [to.range(), first.range(), second.range()];
-    if to.step == 1
-        && let Ok([to, first, second]) = array.get_disjoint_mut(lines)
-    {
-        for (i, to) in to.iter_mut().enumerate() {
-            *to = value(i, [first[i], second[i]]);
-        }
-        return;
-    }
-    for i in 0..to.len {
-        let [first, second] = [first, second].map(|line| array[line.start + i * line.step]);
-        array[to.start + i * to.step] = value(i, [first, second]);
     }
 }

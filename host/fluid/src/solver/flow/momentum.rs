@@ -258,7 +258,7 @@ impl Stage<'_> {
         let [x, y, z] = Through::all(self.velocity, layout, at, behind, len);
         let force =
             if FORCED { self.force.map_or(own.here, |f| blocks(f[C], at, len)) } else { own.here };
-        for b in 0..own.here.len() {
+        for (b, force) in force.iter().enumerate() {
             let sum = x.carry(class, b, own.x, None);
             let sum = y.carry(class, b, own.y, Some(sum));
             let sum = z.carry(class, b, own.z, Some(sum));
@@ -267,7 +267,7 @@ impl Stage<'_> {
                 rate = grown(class, rate, terms.viscous_per_s, laplacian(class, own, b));
             }
             if FORCED {
-                rate = grown(class, rate, terms.force, force[b]);
+                rate = grown(class, rate, terms.force, *force);
             }
             advance(b, rate);
         }

@@ -21,7 +21,7 @@ use self::{
     transform::Transform,
 };
 use crate::{
-    pool::Pool,
+    pool::{Partial, Pool, Turn},
     simd::SimdClass,
     solver::flow::field::{BLOCK, Field, Layout, cut},
 };
@@ -57,9 +57,44 @@ impl Poisson {
 
     /// Solves for `psi`, a padded array.
     pub fn solve(&mut self, pool: &Pool, simd: SimdClass, rhs: impl Source, psi: &mut Field) {
+        self.find_modes(pool, simd, rhs);
+        self.modal.transform_back(pool, simd, &mut self.room, psi);
+    }
+
+    /// The first part of a solution, of which [`Poisson::pass_by`] is the other.
+    pub fn find_modes(&mut self, pool: &Pool, simd: SimdClass, rhs: impl Source) {
         self.modal.transform(pool, simd, &mut self.room, rhs);
         self.modal.solve_columns(pool, simd, &mut self.room);
-        self.modal.transform_back(pool, simd, &mut self.room, psi);
+    }
+
+    /// Calls `body(k, [below, here], planes)` with plane k of the solution and the one below, each
+    /// padded by zeros, and the planes of `outs`; combines what it returns as [`Pool::fold`]. The
+    /// solution is stored nowhere.
+    pub fn pass_by<const M: usize>(
+        &mut self,
+        pool: &Pool,
+        simd: SimdClass,
+        outs: [&mut [f32]; M],
+        body: impl Fn(usize, [&[f32]; 2], [&mut [f32]; M]) -> Partial + Sync,
+        combine: impl Fn(Partial, Partial) -> Partial,
+    ) -> Partial {
+        let Self { modal, room: Room { modes, scratch, .. } } = self;
+        let plane = modal.layout.plane;
+        let body = |Turn { k, is_first }: Turn, planes: [&mut [f32]; M], work: &mut [f32]| {
+            let (work, psi) = work.split_at_mut(modal.work());
+            let (even, odd) = psi[..2 * plane].split_at_mut(plane);
+            let (here, below) = if k % 2 == 0 { (even, odd) } else { (odd, even) };
+            if is_first {
+                below.fill(0.0);
+            }
+            if is_first && k > 0 {
+                modal.plane_back(simd, modes, k - 1, below, work);
+            }
+            here.fill(0.0);
+            modal.plane_back(simd, modes, k, here, work);
+            body(k, [below, here], planes)
+        };
+        pool.fold_with(scratch, outs, [plane; M], body, combine)
     }
 }
 
@@ -96,7 +131,7 @@ pub struct Room {
     threads: usize,
     /// All modes, by z, y mode and x mode.
     modes: Field,
-    /// Two planes of modes and a padded one for each thread.
+    /// Two planes of modes and two padded ones for each thread.
     scratch: Field,
 }
 
@@ -108,14 +143,14 @@ impl Room {
 
     /// Makes it large enough for `modal`.
     pub fn make_for(&mut self, modal: &Modal) {
-        let [_, ny, nz] = modal.unknowns.count;
+        let [.., nz] = modal.unknowns.count;
         let grow = |field: &mut Field, len: usize| {
             if field.len() < len {
                 *field = Field::zeros(len);
             }
         };
         grow(&mut self.modes, nz * modal.plane);
-        let share = 2 * ny * modal.x.len + modal.layout.plane;
+        let share = modal.work() + 2 * modal.layout.plane;
         grow(&mut self.scratch, self.threads * share.next_multiple_of(BLOCK));
     }
 }
@@ -220,34 +255,52 @@ impl Modal {
     }
 
     fn transform_back(&self, pool: &Pool, simd: SimdClass, room: &mut Room, psi: &mut Field) {
-        let (layout, x, y, modes) = (self.layout, &self.x, &self.y, &*room.modes);
-        let ([_, ny, nz], [i0, j0, k0]) = (self.unknowns.count, self.unknowns.first);
-        let plane = self.plane;
+        let Self { layout, unknowns: Unknowns { first: [_, _, k0], count: [.., nz] }, .. } = self;
+        let Room { modes, scratch, .. } = room;
         let outs = [&mut layout.planes(psi)[k0 * layout.plane..][..nz * layout.plane]];
-        pool.planes_with(&mut room.scratch, outs, [layout.plane], |k, [psi], work| {
-            simd.vectorize_as(
-                #[inline(always)]
-                |class| {
-                    let (folded, rows) = work[..2 * ny * x.len].split_at_mut(ny * x.len);
-                    for part in &y.parts {
-                        let b = &modes[k * plane + part.start * x.len..];
-                        let size = [part.count, part.count, x.len];
-                        let (a, b) = (Rows(&part.by_value, part.padded), Rows(b, x.len));
-                        multiply(class, size, a, b, &mut rows[part.from * x.len..], x.len);
-                    }
-                    for part in &x.parts {
-                        let (a, b) = (&rows[part.start..], &part.by_mode);
-                        let size = [ny, part.count, part.padded];
-                        let (a, b) = (Rows(a, x.len), Rows(b, part.padded));
-                        multiply(class, size, a, b, &mut folded[part.from..], x.len);
-                    }
-                    y.unfold_rows(folded, x.len);
-                    for (j, folded) in folded.chunks_exact_mut(x.len).enumerate() {
-                        x.unfold(folded, &mut psi[layout.index_in_plane(i0, j0 + j)..]);
-                    }
-                },
-            );
+        pool.planes_with(scratch, outs, [layout.plane], |k, [psi], work| {
+            self.plane_back(simd, modes, k, psi, work);
         });
+    }
+
+    /// Values that a plane's transform works on.
+    fn work(&self) -> usize {
+        2 * self.unknowns.count[1] * self.x.len
+    }
+
+    /// The unknowns of plane `k`, of its modes.
+    fn plane_back(
+        &self,
+        simd: SimdClass,
+        modes: &[f32],
+        k: usize,
+        psi: &mut [f32],
+        work: &mut [f32],
+    ) {
+        let (layout, x, y, plane) = (&self.layout, &self.x, &self.y, self.plane);
+        let ([_, ny, _], [i0, j0, _]) = (self.unknowns.count, self.unknowns.first);
+        simd.vectorize_as(
+            #[inline(always)]
+            |class| {
+                let (folded, rows) = work[..self.work()].split_at_mut(ny * x.len);
+                for part in &y.parts {
+                    let b = &modes[k * plane + part.start * x.len..];
+                    let size = [part.count, part.count, x.len];
+                    let (a, b) = (Rows(&part.by_value, part.padded), Rows(b, x.len));
+                    multiply(class, size, a, b, &mut rows[part.from * x.len..], x.len);
+                }
+                for part in &x.parts {
+                    let (a, b) = (&rows[part.start..], &part.by_mode);
+                    let size = [ny, part.count, part.padded];
+                    let (a, b) = (Rows(a, x.len), Rows(b, part.padded));
+                    multiply(class, size, a, b, &mut folded[part.from..], x.len);
+                }
+                y.unfold_rows(folded, x.len);
+                for (j, folded) in folded.chunks_exact_mut(x.len).enumerate() {
+                    x.unfold(folded, &mut psi[layout.index_in_plane(i0, j0 + j)..]);
+                }
+            },
+        );
     }
 }
 

@@ -8,25 +8,21 @@
 //! walls leave open (Ng, Min, Gibou 2009; Batty, Bertails, Bridson 2007), and conjugate gradients
 //! use the box's direct solver (see [`super::krylov`]).
 
+mod plane;
+
+use self::plane::Levels;
 use crate::{
     pool::Pool,
-    simd::SimdClass,
     solver::flow::{
         density::Density,
         engine::Engine,
         faces::Faces,
-        field::{
-            Block, FaceRuns, Field, Layout, Run, Star, Vector, blocks, blocks_mut, components, cut,
-            cut_mut,
-        },
+        field::{FaceRuns, Field, Layout, Run, Vector, components, cut, cut_mut},
         ghosts::{Fill, Ghosts},
         krylov::Operator,
         openings::survey_sides,
-        poisson::{
-            Poisson, Room, Source,
-            lanes::{each, subtract},
-        },
-        survey::{Survey, survey_blocks, survey_plane},
+        poisson::{Poisson, Room, Source},
+        survey::{Survey, survey_plane},
     },
 };
 
@@ -132,6 +128,37 @@ impl Projection {
         Projected { iterations, survey }
     }
 
+    /// As [`Projection::project`], but what it finds need not be kept: where walls alone bound a
+    /// box, each plane is corrected by what has just been transformed back, which is stored nowhere.
+    pub fn clear(
+        &mut self,
+        on: Engine<'_>,
+        ghosts: &Ghosts,
+        velocity: &mut Vector,
+        telling: Telling<'_>,
+        density: Option<&Density>,
+    ) -> Projected {
+        if !on.faces.is_box || density.is_some() || !self.is_direct() || !ghosts.are_walls() {
+            return self.project(on, ghosts, velocity, telling, density);
+        }
+        let Self { layout, poisson, .. } = self;
+        let inflow = Inflow { on, layout, velocity: components(velocity) };
+        poisson.find_modes(on.pool, on.simd, inflow);
+        let outs = velocity.each_mut().map(|field| layout.planes(field));
+        let body = |k: usize, [below, here]: [&[f32]; 2], [x, y, z]: [&mut [f32]; 3]| {
+            let Some(run) = on.live_run(layout, k) else { return [0.0; 4] };
+            let psi = Levels::in_planes(layout, [below, here], run);
+            let part = on.correct_plane(layout, run, k, psi, [&mut *x, &mut *y, &mut *z], telling);
+            ghosts.close_plane(k, [x, y, z]);
+            part
+        };
+        let parts = poisson.pass_by(on.pool, on.simd, outs, body, Survey::combine);
+        for (c, field) in velocity.iter_mut().enumerate() {
+            ghosts.fill_ends(c, field, Fill::Projected);
+        }
+        Projected { iterations: 0, survey: Survey::from_parts(parts) }
+    }
+
     /// What the last projection found, times the step: the pressure per density and spacing.
     pub fn found(&self) -> &[f32] {
         &self.psi
@@ -159,49 +186,28 @@ impl Projection {
             }
             let rows = if rows.end == ny { rows.start..ny + beyond } else { rows };
             let run = layout.run(rows, k);
-            let force = match telling {
-                Telling::All(force) => force,
-                Telling::Nothing => None,
-            };
-            let force = force.map(|force| force.map(|f| &f[(k + 1) * layout.plane..]));
-            let tells = matches!(telling, Telling::All(_));
-            let is_plain = on.faces.is_box && density.is_none();
-            let survey = on.simd.vectorize_as(
+            let psi = Levels::new(&layout, psi, run);
+            if on.faces.is_box && density.is_none() {
+                let out = [&mut *x, &mut *y, &mut *z];
+                let part = on.correct_plane(&layout, run, k, psi, out, telling);
+                ghosts.close_plane(k, [x, y, z]);
+                return part;
+            }
+            on.simd.vectorize(
                 #[inline(always)]
-                |class| {
-                    let psi = Star::new(&layout, psi, run.at, run.len);
-                    if is_plain && tells {
-                        let out = [&mut *x, &mut *y, &mut *z];
-                        let masks = masks_of_box(&layout, on.faces, run, k);
-                        return correct_box_and_survey(class, masks, run, psi, out, force);
-                    }
-                    for (c, (u, below)) in
-                        [(&mut *x, psi.x.0), (&mut *y, psi.y.0), (&mut *z, psi.z.0)]
-                            .into_iter()
-                            .enumerate()
-                    {
+                || {
+                    let all = [&mut *x, &mut *y, &mut *z].into_iter().zip(psi.before);
+                    for (c, (u, below)) in all.enumerate() {
                         let u = cut_mut(u, run.to, run.len);
-                        if is_plain {
-                            correct_box(u, psi.here, below);
-                        } else {
-                            let lightness = cut(&lightness[c], run.at, run.len);
-                            correct_open(u, lightness, psi.here, below);
-                        }
+                        let lightness = cut(&lightness[c], run.at, run.len);
+                        correct_open(u, lightness, psi.here, below);
                     }
-                    [0.0; 4]
                 },
             );
-            let mut planes = [x, y, z];
-            for (c, plane) in planes.iter_mut().enumerate() {
-                ghosts.fill_plane(c, k, plane, Fill::Projected);
-            }
-            if k == 0 {
-                ghosts.set_floor(planes[2]);
-            }
-            if is_plain || !tells {
-                return survey;
-            }
-            survey_plane(on, &layout, planes.map(|plane| &*plane), force, mass, k)
+            ghosts.close_plane(k, [&mut *x, &mut *y, &mut *z]);
+            let Telling::All(force) = telling else { return [0.0; 4] };
+            let force = force.map(|force| force.map(|f| &f[(k + 1) * layout.plane..]));
+            survey_plane(on, &layout, [x, y, z], force, mass, k)
         };
         let parts = on.pool.fold(None, outs, [layout.plane; 3], body, Survey::combine);
         if ghosts.is_free(2, 1) {
@@ -267,7 +273,7 @@ impl Source for Inflow<'_> {
         let Self { on, layout, velocity } = self;
         if let Some(Run { at, to, len }) = on.live_run(layout, k) {
             let (out, faces) = (cut_mut(room, to, len), FaceRuns::new(layout, *velocity, at, len));
-            // A loop: the library's `for_each` would not be compiled for wide vectors.
+            #[allow(clippy::needless_range_loop, reason = "iterators leave a rest one by one")]
             for i in 0..len {
                 out[i] = -faces.outflow(i);
             }
@@ -325,74 +331,9 @@ fn rested(u: f32) -> f32 {
 }
 
 #[inline(always)]
-fn correct_box(u: &mut [f32], above: &[f32], below: &[f32]) {
-    // Cut once more: what comes out of an array has lost its length.
-    let (above, below) = (cut(above, 0, u.len()), cut(below, 0, u.len()));
-    for i in 0..u.len() {
-        let next = u[i] - (above[i] - below[i]);
-        u[i] = if next.abs() < REST_M_S { 0.0 } else { next };
-    }
-}
-
-/// What is liquid and what is open in plane `k` of a box. All planes but the lowest are alike:
-/// those of one stay in the nearest cache.
-#[inline(always)]
-fn masks_of_box<'a>(
-    layout: &Layout,
-    faces: &'a Faces,
-    Run { at, len, .. }: Run,
-    k: usize,
-) -> (&'a [Block], [&'a [Block]; 3]) {
-    let at = at - (k - k.min(1)) * layout.plane;
-    let [x, y, z] = &faces.open;
-    (blocks(&faces.liquid, at, len), [blocks(x, at, len), blocks(y, at, len), blocks(z, at, len)])
-}
-
-/// Corrects what is open and surveys it while it is in registers. What is not open is as it was:
-/// faces of the sides have their velocity already.
-#[inline(always)]
-fn correct_box_and_survey(
-    class: SimdClass,
-    (is_inside, [open_x, open_y, open_z]): (&[Block], [&[Block]; 3]),
-    Run { to, len, .. }: Run,
-    psi: Star<'_>,
-    [u, v, w]: [&mut [f32]; 3],
-    force: Option<[&[f32]; 3]>,
-) -> [f64; 4] {
-    let (u, v, w) = (blocks_mut(u, to, len), blocks_mut(v, to, len), blocks_mut(w, to, len));
-    let Star { here, x: (x, _), y: (y, _), z: (z, _) } = psi.blocks();
-    let force = force.map(|force| force.map(|f| blocks(f, to, len)));
-    survey_blocks(
-        class,
-        is_inside,
-        force,
-        #[inline(always)]
-        |b| {
-            let next_u = corrected(u[b], open_x[b], subtract(here[b], x[b]));
-            let next_v = corrected(v[b], open_y[b], subtract(here[b], y[b]));
-            let next_w = corrected(w[b], open_z[b], subtract(here[b], z[b]));
-            (u[b], v[b], w[b]) = (next_u, next_v, next_w);
-            [next_u, next_v, next_w]
-        },
-    )
-}
-
-#[inline(always)]
-fn corrected(u: Block, open: Block, rise: Block) -> Block {
-    each(
-        #[inline(always)]
-        |i| {
-            let next = u[i] - open[i] * rise[i];
-            if next.abs() < REST_M_S { 0.0 } else { next }
-        },
-    )
-}
-
-#[inline(always)]
 fn correct_open(u: &mut [f32], lightness: &[f32], above: &[f32], below: &[f32]) {
     for i in 0..u.len() {
-        let next = u[i] - lightness[i] * (above[i] - below[i]);
-        u[i] = if next.abs() < REST_M_S { 0.0 } else { next };
+        u[i] = rested(u[i] - lightness[i] * (above[i] - below[i]));
     }
 }
 

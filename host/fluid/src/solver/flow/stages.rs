@@ -55,7 +55,7 @@ impl Flow {
         let obstacles = self.obstacles.take();
         self.run_stages(part);
         self.obstacles = obstacles;
-        self.clear_divergence();
+        self.clear_divergence(true);
         self.learn_pressure(part);
         mem::swap(&mut self.velocity, &mut self.stage[0]);
         let Prediction { next, trend, share } = &mut self.pressure;

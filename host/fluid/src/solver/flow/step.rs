@@ -150,10 +150,12 @@ impl Flow {
                 self.run_stages(part);
             }
         }
-        let Projected { iterations, survey } = self.clear_divergence();
+        let is_learnt = matches!(scheme, Scheme::Central | Scheme::MultistepImplicit);
+        let is_kept = is_learnt || self.obstacles.is_some();
+        let Projected { iterations, survey } = self.clear_divergence(is_kept);
         report.pressure_iterations += iterations;
         self.press_obstacles(1.0);
-        if matches!(scheme, Scheme::Central | Scheme::MultistepImplicit) {
+        if is_learnt {
             if let Some(obstacles) = &mut self.obstacles {
                 obstacles.press(&self.layout, &self.faces, &self.pressure.next, part.dt_s);
             }
@@ -219,14 +221,19 @@ impl Flow {
         self.viscosity_m2_s * dt_s / f64::from(self.grid.spacing_m).powi(2)
     }
 
-    /// Projects, and surveys what that leaves.
-    pub(super) fn clear_divergence(&mut self) -> Projected {
+    /// Projects, and surveys what that leaves. What that finds of the pressure is there afterwards
+    /// if it is kept.
+    pub(super) fn clear_divergence(&mut self, is_kept: bool) -> Projected {
         self.set_drive();
         let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
         let force = working(self.force.as_ref(), self.mixture.as_deref());
         let on = Engine { pool, simd: *simd, faces };
         let density = self.mixture.as_ref().and_then(|mixture| mixture.weight());
-        projection.project(on, ghosts, velocity, Telling::All(force), density)
+        let telling = Telling::All(force);
+        match is_kept {
+            true => projection.project(on, ghosts, velocity, telling, density),
+            false => projection.clear(on, ghosts, velocity, telling, density),
+        }
     }
 
     /// Energy may not exceed what it was plus what forces, obstacles and a drag did (the last two: `given_m2_s2`), nor

@@ -182,6 +182,31 @@ fn threads_change_no_bits_and_neither_do_256_or_512() {
 }
 
 #[test]
+fn what_passes_by_is_the_solution_for_any_number_of_threads() {
+    let (size, simd) = ([33, 24, 17], SimdClass::detect());
+    for threads in 1..=3 {
+        let pool = Pool::new(threads, false);
+        let (layout, psi) = solve(&pool, simd, size, ENDS[0]);
+        let rhs = padded(&layout, &right_hand_side(size, ENDS[0]));
+        let mut poisson = Poisson::new(&layout, ENDS[0], threads);
+        poisson.room().scratch.fill(f32::NAN);
+        poisson.find_modes(&pool, simd, Stored(&layout, &rhs));
+        let (mut seen, mut seen_below) = (layout.zeros(), layout.zeros());
+        let outs = [layout.planes(&mut seen), layout.planes(&mut seen_below)];
+        let keep = |_, [below, here]: [&[f32]; 2], [to, to_below]: [&mut [f32]; 2]| {
+            to.copy_from_slice(here);
+            to_below.copy_from_slice(below);
+            [1.0, 0.0, 0.0, 0.0]
+        };
+        let sum = |a: [f64; 4], b: [f64; 4]| [a[0] + b[0], 0.0, 0.0, 0.0];
+        assert_eq!(poisson.pass_by(&pool, simd, outs, keep, sum)[0], 17.0);
+        assert!(psi[..] == seen[..], "{threads}");
+        let shifted = layout.plane..layout.plane * (size[2] + 1);
+        assert!(psi[..layout.plane * size[2]] == seen_below[shifted], "{threads}");
+    }
+}
+
+#[test]
 fn solving_in_place_is_solving_and_leaves_the_padding_alone() {
     let (layout, pool, simd) = (Layout::new([9, 6, 5]), Pool::inline(), SimdClass::detect());
     let rhs = padded(&layout, &right_hand_side(layout.cells, ENDS[0]));
