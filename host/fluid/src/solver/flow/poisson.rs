@@ -82,15 +82,16 @@ impl Poisson {
         let plane = modal.layout.plane;
         let body = |Turn { k, is_first }: Turn, planes: [&mut [f32]; M], work: &mut [f32]| {
             let (work, psi) = work.split_at_mut(modal.work());
-            let (even, odd) = psi[..2 * plane].split_at_mut(plane);
-            let (here, below) = if k % 2 == 0 { (even, odd) } else { (odd, even) };
+            let psi = &mut psi[..2 * plane];
             if is_first {
-                below.fill(0.0);
+                // What was left of others; from now on only unknowns are written.
+                psi.fill(0.0);
             }
+            let (even, odd) = psi.split_at_mut(plane);
+            let (here, below) = if k % 2 == 0 { (even, odd) } else { (odd, even) };
             if is_first && k > 0 {
                 modal.plane_back(simd, modes, k - 1, below, work);
             }
-            here.fill(0.0);
             modal.plane_back(simd, modes, k, here, work);
             body(k, [below, here], planes)
         };
