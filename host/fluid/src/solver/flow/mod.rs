@@ -37,11 +37,10 @@ mod trace;
 mod viscous;
 mod walls;
 
-pub use self::{coupling::Drag, looks::Looks, medium::Medium};
+pub use self::{coupling::Drag, inlets::SideVelocity, looks::Looks, medium::Medium};
 
 use std::sync::Arc;
 
-pub use self::inlets::SideVelocity;
 use glam::{DVec3, Vec3};
 
 use self::{
