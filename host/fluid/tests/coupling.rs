@@ -357,7 +357,8 @@ proptest! {
             let allowed_j = (before_j + work_j).max(0.0) + slack_j;
             prop_assert!(after_j <= allowed_j, "{before_j} {work_j} {after_j}");
             let mut fastest = 0f64;
-            flow.visit(&mut |_, _, value| fastest = fastest.max(if value.is_finite() { value.abs() } else { 1e9 }));
+            let size = |value: f64| if value.is_finite() { value.abs() } else { 1e9 };
+            flow.visit(&mut |_, _, value| fastest = fastest.max(size(value)));
             prop_assert!(fastest <= 1.0001e4);
             before_j = after_j;
         }

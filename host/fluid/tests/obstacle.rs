@@ -322,7 +322,8 @@ proptest! {
             prop_assert!(is_finite);
             // What the ball did, and what liquid in the space that it sweeps may have at its speed.
             let work_j = -dt_s * force_on_n.dot(velocity.as_dvec3());
-            let (way_m, reach_m) = (f64::from(velocity.abs().element_sum()) * dt_s, f64::from(radius_m) + 0.125);
+            let way_m = f64::from(velocity.abs().element_sum()) * dt_s;
+            let reach_m = f64::from(radius_m) + 0.125;
             let swept_kg = 1000.0 * way_m * PI * reach_m * reach_m;
             let gain_j = flow.kinetic_energy_j() - before_j;
             let most_j = 1.1 * work_j.max(0.0) + swept_kg * (way_m / dt_s).powi(2);

@@ -10,9 +10,10 @@
 //! g being the gathered velocity, W the weights of the kernel, P the projection, and (M + s V)^-1 the
 //! implicit friction of the part, if that has any: what liquid at rest does with a unit push. As
 //! the part is linear in a push, its result changes by Z J: a change of its matrix by one row and
-//! column for each component (Sherman, Morrison 1950; Woodbury 1950). R is symmetric and positive, so g is
-//! between g_free and v, whatever c and dt. Conjugate gradients (Hestenes, Stiefel 1952) find the
-//! three components of J: one response Z suffices where all directions are alike, three always do.
+//! column for each component (Sherman, Morrison 1950; Woodbury 1950). R is symmetric and positive,
+//! so g is between g_free and v, whatever c and dt. Conjugate gradients (Hestenes, Stiefel 1952)
+//! find the three components of J: one response Z suffices where all directions are alike, three
+//! always do.
 
 mod response;
 
@@ -109,13 +110,13 @@ impl Flow {
     /// Lets a body drag the liquid along in all steps from the next one on, in place of the one
     /// before; `None` lets it go. Unlike a [`Flow::push`], the drag is solved for together with
     /// the liquid: however strong it is, and however long the step, the liquid is not dragged
-    /// beyond the body's velocity. Where the body is and how it moves may change before each step; room is
-    /// made with the first drag, and given back with `None`.
+    /// beyond the body's velocity. Where the body is and how it moves may change before each step;
+    /// room is made with the first drag, and given back with `None`.
     ///
     /// Each part of a step then takes one to three responses of the liquid to a push: a solution for
-    /// the pressure each, and where friction is implicit one for that and another for the pressure. To the
-    /// first order in the step it is what pushes of c dt (v - u) do. A body that moves keeps the
-    /// liquid awake.
+    /// the pressure each, and where friction is implicit one for that and another for the pressure.
+    /// To the first order in the step it is what pushes of c dt (v - u) do. A body that moves keeps
+    /// the liquid awake.
     ///
     /// # Errors
     /// [`Refused`] if a value is not finite or out of range, see [`Drag`]; nothing is changed.

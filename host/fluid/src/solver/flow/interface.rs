@@ -51,7 +51,7 @@ impl Solver for Flow {
         let Self { faces, ghosts, velocity, pool, simd, projection, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         let density = self.mixture.as_ref().and_then(|mixture| mixture.weight());
-        projection.clear(on, ghosts, velocity, Telling::Nothing, density);
+        projection.project(on, ghosts, velocity, Telling::Nothing, density, false);
         self.survey = None;
     }
 

@@ -14,8 +14,8 @@
 //! What leaves has u_g = u there and takes Q u^2. What comes in is from rest, u_g = 0: then it
 //! brings none, and a stream that is drawn in meets the pressure of rest less u^2 / 2, as Bernoulli
 //! has it. Since kernels know of u_g = u alone, what this makes of liquid that comes in is taken
-//! back: it is the term that stabilises backflow (Bazilevs, Gohean, Hughes, Moser, Zhang 2009; Bertoglio,
-//! Caiazzo 2014).
+//! back: it is the term that stabilises backflow (Bazilevs, Gohean, Hughes, Moser, Zhang 2009;
+//! Bertoglio, Caiazzo 2014).
 //!
 //! Where viscosity differs from place to place and is implicit, a face on an open side moves with the
 //! next one within instead.

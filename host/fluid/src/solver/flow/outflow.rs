@@ -59,3 +59,23 @@ fn tell(
     squares.add(liquid.len(), |i| wet(i) * wet(i));
     cells.add(liquid.len(), |i| f32::from(u8::from(liquid[i] > 0.0)));
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use crate::{
+        grid::Grid,
+        solver::{Setup, Solver, flow::Flow},
+        vessel::Vessel,
+    };
+
+    /// u = x but at the far wall, where it is 0: of 8 cells in a row 7 have 1/s, the last -7/s.
+    #[test]
+    fn the_divergence_is_that_of_a_field_whose_divergence_is_known() {
+        let mut flow = Flow::new(&Setup::new(Grid::unit_cube(8), Vessel::Box)).expect("a flow");
+        flow.set_velocity(&|at: DVec3| DVec3::new(at.x, 0.0, 0.0)).expect("finite");
+        assert!((flow.divergence_max_per_s() - 7.0).abs() < 1e-5);
+        assert!((flow.divergence_l2_per_s() - 7f64.sqrt()).abs() < 1e-5);
+    }
+}

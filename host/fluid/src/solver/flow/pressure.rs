@@ -101,7 +101,8 @@ impl Projection {
         self.krylov.get_or_insert_with(|| [zeros(), zeros(), zeros(), zeros()]);
     }
 
-    /// Takes the divergence out of `velocity`, whose ghosts are filled before and after.
+    /// Takes the divergence out of `velocity`, whose ghosts are filled before and after. What it
+    /// finds is there afterwards if it `is_kept`.
     pub fn project(
         &mut self,
         on: Engine<'_>,
@@ -109,9 +110,13 @@ impl Projection {
         velocity: &mut Vector,
         telling: Telling<'_>,
         density: Option<&Density>,
+        is_kept: bool,
     ) -> Projected {
-        let Self { layout, poisson, psi, krylov } = self;
         let operator = Operator::new(on.faces, density);
+        if !is_kept && operator.is_none() && ghosts.are_walls() {
+            return self.project_in_passing(on, ghosts, velocity, telling);
+        }
+        let Self { layout, poisson, psi, krylov } = self;
         let iterations = match operator.zip(krylov.as_mut()) {
             Some((operator, krylov)) => {
                 let squares = set_residual(on, layout, components(velocity), &mut krylov[0]);
@@ -128,19 +133,15 @@ impl Projection {
         Projected { iterations, survey }
     }
 
-    /// As [`Projection::project`], but what it finds need not be kept: where walls alone bound a
-    /// box, each plane is corrected by what has just been transformed back, which is stored nowhere.
-    pub fn clear(
+    /// Where walls alone bound a box, each plane is corrected by what has just been transformed back,
+    /// which is stored nowhere.
+    fn project_in_passing(
         &mut self,
         on: Engine<'_>,
         ghosts: &Ghosts,
         velocity: &mut Vector,
         telling: Telling<'_>,
-        density: Option<&Density>,
     ) -> Projected {
-        if !on.faces.is_box || density.is_some() || !self.is_direct() || !ghosts.are_walls() {
-            return self.project(on, ghosts, velocity, telling, density);
-        }
         let Self { layout, poisson, .. } = self;
         let inflow = Inflow { on, layout, velocity: components(velocity) };
         poisson.find_modes(on.pool, on.simd, inflow);

@@ -36,8 +36,8 @@ const GUARD_ROUNDS: u32 = 12;
 /// A step that leaves less than this part of the energy ends the flow whose pressure is known.
 const LITTLE_LEFT: f64 = 0.1;
 
-/// Parts of a step with moving obstacles or a drag, after which the rest of it is traced: as many as two
-/// plans would have at most.
+/// Parts of a step with moving obstacles or a drag, after which the rest of it is traced: as many
+/// as two plans would have at most.
 const MOST_STIRRED_PARTS: u32 = 32;
 
 /// One part of a step.
@@ -229,15 +229,11 @@ impl Flow {
         let force = working(self.force.as_ref(), self.mixture.as_deref());
         let on = Engine { pool, simd: *simd, faces };
         let density = self.mixture.as_ref().and_then(|mixture| mixture.weight());
-        let telling = Telling::All(force);
-        match is_kept {
-            true => projection.project(on, ghosts, velocity, telling, density),
-            false => projection.clear(on, ghosts, velocity, telling, density),
-        }
+        projection.project(on, ghosts, velocity, Telling::All(force), density, is_kept)
     }
 
-    /// Energy may not exceed what it was plus what forces, obstacles and a drag did (the last two: `given_m2_s2`), nor
-    /// speed what f32 can square. What it does exceed it by is added up until it is worth an action.
+    /// Energy may not exceed what it was plus what forces, obstacles and a drag did (the last two:
+    /// `given_m2_s2`), nor speed what f32 can square. What it does exceed it by is added up until it is worth an action.
     /// Through openings none comes in: beyond them all is at rest. What moving sides give is not
     /// known here: there only the speed is bounded.
     fn guard(

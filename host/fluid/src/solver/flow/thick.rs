@@ -102,8 +102,8 @@ impl Thick {
         });
     }
 
-    /// Adds the solution for this right side to `velocity`, and fills its ghosts; `rhs` is used up. Returns the number
-    /// of iterations.
+    /// Adds the solution for this right side to `velocity`, and fills its ghosts; the right side is
+    /// used up. Returns the number of iterations.
     pub fn solve(
         &mut self,
         on: Engine<'_>,

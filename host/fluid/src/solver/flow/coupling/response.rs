@@ -47,7 +47,7 @@ impl Flow {
         kernel.push(response.each_mut().map(|u| &mut **u), push, f32::MAX);
         response.iter_mut().for_each(|u| ghosts.wrap_cells(u));
         let pushed = kernel.gather(components(response));
-        let projected = projection.project(on, ghosts, response, Telling::Nothing, density);
+        let projected = projection.project(on, ghosts, response, Telling::Nothing, density, true);
         report.pressure_iterations += projected.iterations;
         let mut moved = kernel.gather(components(response));
         if moved.dot(push) < SHUT_IN * pushed.dot(push) {
@@ -80,7 +80,8 @@ impl Flow {
                 obstacles.keep(faces, response, 1);
             }
             let density = self.mixture.as_ref().and_then(|mixture| mixture.weight());
-            let projected = projection.project(on, ghosts, response, Telling::Nothing, density);
+            let projected =
+                projection.project(on, ghosts, response, Telling::Nothing, density, true);
             report.pressure_iterations += projected.iterations;
             let kernel = Kernel::new(layout, faces, masses(faces, density), centre, radius);
             moved = kernel.gather(components(response));
@@ -100,7 +101,8 @@ impl Flow {
         scheme: Scheme,
     ) {
         let friction = coupling.friction;
-        // More than f32 has is asked of liquid that stands still only: nothing else gives way so little.
+        // More than f32 has is asked of liquid that stands still only: nothing else gives way so
+        // little.
         let share = share.clamp(f64::from(f32::MIN), f64::from(f32::MAX));
         let Self { layout, faces, ghosts, velocity, pool, simd, projection, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
