@@ -7,14 +7,18 @@
 use std::{array, ops::Range};
 
 use super::face::Face;
-use crate::solver::flow::field::{BLOCK, Layout, cut, cut_mut};
+use crate::solver::flow::{
+    field::{BLOCK, Block, Layout, blocks, blocks_mut, cut, cut_mut},
+    lanes::{each, subtract, times},
+};
 
 /// Columns that a sweep works on at once, in buffers on the stack.
 const WIDTH: usize = 64;
 
-/// Less than this in a cell is nothing: the tail of a cloud would fade into subnormal numbers,
-/// which the processor computes a hundred times slower.
-pub const TRACE: f32 = 1e-12;
+/// Less than this in a cell is nothing: an f32 cannot tell it from 0 beside 1, yet it would take
+/// ever more cells to compute, down to subnormal numbers, which the processor computes a hundred
+/// times slower. What is taken so is owed, and given back where there is more.
+pub const TRACE: f32 = 1e-8;
 
 /// A cell is never divided by less than this volume.
 const LEAST_VOLUME: f32 = 1e-6;
@@ -126,26 +130,30 @@ impl Sweep<'_> {
     /// inverses.
     #[inline(always)]
     fn set_volumes(&self, at: usize, volumes: &mut [f32], inverses: &mut [f32]) {
-        let (len, scale) = (volumes.len(), self.dt_per_spacing_s_m);
+        let len = volumes.len();
+        let (volumes, inverses) = (blocks_mut(volumes, 0, len), blocks_mut(inverses, 0, len));
         let faces = |axis: usize| {
             let stride = self.layout.strides()[axis];
-            (cut(self.velocity[axis], at, len), cut(self.velocity[axis], at + stride, len))
+            (blocks(self.velocity[axis], at, len), blocks(self.velocity[axis], at + stride, len))
         };
-        let inverses = &mut inverses[..len];
+        let scale = [self.dt_per_spacing_s_m; BLOCK];
         match *self.before {
-            [] => (volumes.fill(1.0), inverses.fill(1.0)).0,
+            [] => (volumes.fill([1.0; BLOCK]), inverses.fill([1.0; BLOCK])).0,
             [a] => {
                 let a = faces(a);
-                for i in 0..len {
-                    volumes[i] = 1.0 - scale * (a.1[i] - a.0[i]);
-                    inverses[i] = inverse(volumes[i]);
+                for (b, (volume, inverse)) in volumes.iter_mut().zip(inverses).enumerate() {
+                    let lost = times(scale, subtract(a.1[b], a.0[b]));
+                    *volume = subtract([1.0; BLOCK], lost);
+                    *inverse = inverses_of(*volume);
                 }
             }
-            [a, b, ..] => {
-                let (a, b) = (faces(a), faces(b));
-                for i in 0..len {
-                    volumes[i] = (1.0 - scale * (a.1[i] - a.0[i])) - scale * (b.1[i] - b.0[i]);
-                    inverses[i] = inverse(volumes[i]);
+            [a, c, ..] => {
+                let (a, c) = (faces(a), faces(c));
+                for (b, (volume, inverse)) in volumes.iter_mut().zip(inverses).enumerate() {
+                    let lost = times(scale, subtract(a.1[b], a.0[b]));
+                    let lost_then = times(scale, subtract(c.1[b], c.0[b]));
+                    *volume = subtract(subtract([1.0; BLOCK], lost), lost_then);
+                    *inverse = inverses_of(*volume);
                 }
             }
         }
@@ -162,11 +170,21 @@ impl Sweep<'_> {
     ) {
         // After the last sweep all cells are as large as before the first.
         let is_last = self.before.len() == 2;
-        for i in 0..next.len() {
-            let content = old[i] * volumes[i] - (flux[1][i] - flux[0][i]);
-            let net = self.dt_per_spacing_s_m * (velocity[1][i] - velocity[0][i]);
-            let fraction = if is_last { content } else { content * inverse(volumes[i] - net) };
-            next[i] = if fraction < TRACE { 0.0 } else { fraction };
+        let len = next.len();
+        let [old, volumes] = [old, volumes].map(|values| blocks(values, 0, len));
+        let ([f0, f1], [u0, u1]) =
+            (flux.map(|f| blocks(f, 0, len)), velocity.map(|u| blocks(u, 0, len)));
+        let scale = [self.dt_per_spacing_s_m; BLOCK];
+        for (b, next) in blocks_mut(next, 0, len).iter_mut().enumerate() {
+            let mut fraction = subtract(times(old[b], volumes[b]), subtract(f1[b], f0[b]));
+            if !is_last {
+                let net = times(scale, subtract(u1[b], u0[b]));
+                fraction = times(fraction, inverses_of(subtract(volumes[b], net)));
+            }
+            *next = each(
+                #[inline(always)]
+                |i| if fraction[i] < TRACE { 0.0 } else { fraction[i] },
+            );
         }
     }
 
@@ -189,11 +207,14 @@ impl Sweep<'_> {
             // One block more than needed: whole blocks cost less than what is left of one.
             let more = len + BLOCK;
             old[..3].copy_from_slice(&behind);
-            old[3..][..len + 3].copy_from_slice(cut(plane, to + start, len + 3));
+            put(&mut old[3..][..len], cut(plane, to + start, len));
+            old[len + 3..][..3].copy_from_slice(cut(plane, to + start + len, 3));
             self.set_row_steps(&mut steps[..more], old, at, start);
-            self.set_volumes(at + start, &mut volumes[..len], per_volume);
-            // The cell after the last, too.
-            self.set_volumes(at + start + len, &mut volumes[len..=len], &mut per_volume[len..]);
+            // What passes the last face, the side of the box, is not for a sweep to take.
+            let side = self.layout.cells[0] - start;
+            // Of the cell after the last, too, if anything may come from there.
+            let known = if count == len && len < side { more } else { len };
+            self.set_volumes(at + start, &mut volumes[..known], per_volume);
             flux[0] = flux_behind;
             let u = cut(self.velocity[0], at + start, len + 2);
             let s: [&[f32]; 5] = array::from_fn(|m| cut(steps, m + 1, len));
@@ -201,8 +222,6 @@ impl Sweep<'_> {
             let flow = [cut(u, 0, len), cut(u, 1, len), cut(u, 2, len)];
             let per_volume = [cut(per_volume, 0, len), cut(per_volume, 1, len)];
             self.set_flux(cut_mut(flux, 1, len), s, beside, flow, per_volume);
-            // What passes the last face, the side of the box, is not for a sweep to take.
-            let side = self.layout.cells[0] - start;
             if side <= len {
                 flux[side] = 0.0;
             }
@@ -211,7 +230,7 @@ impl Sweep<'_> {
             self.set_next(&mut next[..len], [beside[0], volumes], fluxes, [flow[0], flow[1]]);
             behind.copy_from_slice(cut(old, count, 3));
             flux_behind = flux[count];
-            plane[to + start..][..count].copy_from_slice(&next[..count]);
+            put(cut_mut(plane, to + start, count), next);
         }
     }
 
@@ -220,22 +239,15 @@ impl Sweep<'_> {
     #[inline(always)]
     fn set_row_steps(&self, steps: &mut [f32], old: &[f32], at: usize, start: usize) {
         let len = steps.len();
-        let (below, above) = (cut(old, 0, len), cut(old, 1, len));
-        match self.open {
-            None => {
-                for f in 0..len {
-                    steps[f] = above[f] - below[f];
-                }
-            }
-            Some(open) => {
-                let open = cut(open[0], at + start - 2, len);
-                for f in 0..len {
-                    steps[f] = open[f] * (above[f] - below[f]);
-                }
-            }
+        let open = self.open.map(|open| cut(open[0], at + start - 2, len));
+        set_steps(steps, [cut(old, 0, len), cut(old, 1, len)], open);
+        if start < 3 {
+            steps[..3 - start].fill(0.0);
         }
-        steps[..3usize.saturating_sub(start)].fill(0.0);
-        steps[(self.layout.cells[0] + 2 - start).min(len)..].fill(0.0);
+        let side = self.layout.cells[0] + 2 - start;
+        if side < len {
+            steps[side..].fill(0.0);
+        }
     }
 
     #[inline(always)]
@@ -291,8 +303,8 @@ impl Sweep<'_> {
         let (n, stride) = (self.layout.cells[self.axis], self.layout.strides()[self.axis]);
         let velocity = |face: usize| cut(self.velocity[self.axis], at + face * stride, len);
         // What lies before the first cell of a line, or after its last.
-        steps[6..].iter_mut().for_each(|steps| steps[..len].fill(0.0));
-        per_volume.iter_mut().for_each(|inverses| inverses[..len].fill(1.0));
+        (steps[6], steps[7]) = ([0.0; WIDTH], [0.0; WIDTH]);
+        *per_volume = [[1.0; WIDTH]; 2];
         for face in places.start.saturating_sub(2)..places.start + 2 {
             self.set_line_steps(&mut steps[face % 8][..len], rows, at, first, face);
         }
@@ -324,8 +336,7 @@ impl Sweep<'_> {
                 let fluxes = [&flux[other][..len], &flux[this][..len]];
                 let old = [beside[0], &volumes[other][..len]];
                 self.set_next(&mut next[..len], old, fluxes, [flow[0], flow[1]]);
-                let to = rows.write(face - 1, first, columns.len());
-                to.copy_from_slice(&next[..columns.len()]);
+                put(rows.write(face - 1, first, columns.len()), next);
             }
         }
     }
@@ -346,17 +357,44 @@ impl Sweep<'_> {
             steps.fill(0.0);
             return;
         }
-        let (below, above) = (rows.read(face - 1, first, len), rows.read(face, first, len));
-        for i in 0..len {
-            steps[i] = above[i] - below[i];
-        }
-        if let Some(open) = self.open {
-            let open = cut(open[self.axis], at + face * self.layout.strides()[self.axis], len);
-            for i in 0..len {
-                steps[i] *= open[i];
-            }
+        let from = at + face * self.layout.strides()[self.axis];
+        let open = self.open.map(|open| cut(open[self.axis], from, len));
+        set_steps(steps, [rows.read(face - 1, first, len), rows.read(face, first, len)], open);
+    }
+}
+
+/// Differences of what is above faces to what is below, where they are open.
+#[inline(always)]
+fn set_steps(steps: &mut [f32], [below, above]: [&[f32]; 2], open: Option<&[f32]>) {
+    let len = steps.len();
+    let (below, above) = (blocks(below, 0, len), blocks(above, 0, len));
+    let open = open.map(|open| blocks(open, 0, len));
+    for (b, step) in blocks_mut(steps, 0, len).iter_mut().enumerate() {
+        *step = subtract(above[b], below[b]);
+        if let Some(open) = open {
+            *step = times(open[b], *step);
         }
     }
+}
+
+/// Puts the first values of `from` to `to`, as many as that holds, whole blocks at a time: short
+/// copies of any length would cost calls.
+#[inline(always)]
+fn put(to: &mut [f32], from: &[f32]) {
+    let (whole, rest) = to.as_chunks_mut::<BLOCK>();
+    let (blocks, _) = from.as_chunks::<BLOCK>();
+    whole.iter_mut().zip(blocks).for_each(|(to, from)| *to = *from);
+    if let Some(last) = blocks.get(whole.len()) {
+        rest.iter_mut().zip(last).for_each(|(to, from)| *to = *from);
+    }
+}
+
+#[inline(always)]
+fn inverses_of(volumes: Block) -> Block {
+    each(
+        #[inline(always)]
+        |i| inverse(volumes[i]),
+    )
 }
 
 /// 1 / volume, or 0 where hardly any is left: there is nothing in it then.

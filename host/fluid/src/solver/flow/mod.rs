@@ -16,6 +16,7 @@ mod inlets;
 mod interface;
 mod inventory;
 mod krylov;
+pub(crate) mod lanes;
 mod looks;
 mod medium;
 mod mixture;

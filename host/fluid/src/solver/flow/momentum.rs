@@ -17,7 +17,7 @@ use crate::{
     simd::SimdClass,
     solver::flow::{
         field::{Block, Layout, Run, Star, blocks, blocks_mut},
-        poisson::lanes::{add, each, multiply_add, subtract, times},
+        lanes::{add, each, multiply_add, subtract, times},
     },
 };
 

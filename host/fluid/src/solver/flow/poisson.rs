@@ -10,7 +10,6 @@
 
 pub mod basis;
 mod column;
-pub mod lanes;
 mod product;
 mod transform;
 

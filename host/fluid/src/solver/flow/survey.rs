@@ -5,7 +5,7 @@ use crate::{
     solver::flow::{
         engine::Engine,
         field::{BLOCK, Block, Largest, Layout, Run, Vector, blocks, cut},
-        poisson::lanes::{add, multiply_add, times},
+        lanes::{add, multiply_add, times},
     },
 };
 

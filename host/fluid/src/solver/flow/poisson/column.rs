@@ -15,11 +15,15 @@
 //! The constant mode of a closed box is singular: its last pivot is 0 and counts as infinite,
 //! which makes its even part 0 in the middle.
 
-use super::{
-    basis::{End, Ends},
-    lanes::{add, multiply_add, subtract, times},
+use super::basis::{End, Ends};
+use crate::{
+    pool::Column,
+    simd::SimdClass,
+    solver::flow::{
+        field::Field,
+        lanes::{add, multiply_add, subtract, times},
+    },
 };
-use crate::{pool::Column, simd::SimdClass, solver::flow::field::Field};
 
 /// Values of a plane that lie together in a column.
 pub const WIDTH: usize = 64;

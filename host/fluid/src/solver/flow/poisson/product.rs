@@ -1,7 +1,6 @@
 //! Products of small dense matrices.
 
-use super::lanes::multiply_add;
-use crate::simd::SimdClass;
+use crate::{simd::SimdClass, solver::flow::lanes::multiply_add};
 
 /// A matrix in memory: the values, and the distance from one row to the next.
 #[derive(Clone, Copy)]

@@ -14,10 +14,8 @@
 
 use std::ops::Range;
 
-use super::{
-    basis::{Ends, Mode, modes},
-    lanes::{add, reversed, subtract},
-};
+use super::basis::{Ends, Mode, modes};
+use crate::solver::flow::lanes::{add, reversed, subtract};
 
 /// Values that are folded together.
 const BLOCK: usize = 8;

@@ -8,7 +8,7 @@ use crate::{
         engine::Engine,
         faces::Faces,
         field::{Block, Layout, Run, blocks, blocks_mut, cut, cut_mut},
-        poisson::lanes::{each, subtract},
+        lanes::{each, subtract},
         survey::survey_blocks,
     },
 };
