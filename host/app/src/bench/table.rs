@@ -62,12 +62,14 @@ fn part(ratio: f64) -> String {
     if ratio < 1.0 { format!("1/{:.1}", 1.0 / ratio) } else { format!("{ratio:.1}") }
 }
 
-/// A line for each target: what was measured, and whether that will do.
+/// A line for each target of the cases that were run: what was measured, and whether that will do.
 pub fn targets(rows: &[Row]) -> Vec<String> {
     let simd = rows.iter().find_map(|row| row.simd).and_then(SimdClass::parse);
     let simd = simd.unwrap_or(SimdClass::Portable);
     let head = [String::new(), format!("targets of ours with {}", simd.name())];
-    let lines = verdicts(rows).into_iter().map(|verdict| {
+    let is_asked = |target: &Target| rows.iter().any(|row| row.case == target.case);
+    let asked_for = verdicts(rows).into_iter().filter(|verdict| is_asked(verdict.target));
+    let lines = asked_for.map(|verdict| {
         let mark = match verdict.row.and_then(|row| row.pass) {
             Some(true) => "\u{2713}   ",
             Some(false) => "MISS",

@@ -90,11 +90,11 @@ fn set_sum(on: Engine<'_>, layout: &Layout, all: &[Substance], sum: &mut [f32]) 
         let found = || all.iter().filter(|substance| substance.highest > 0.0);
         found().fold(Extent::default(), |all, s| all.with(s.cells.extent(k))).clear(layout, plane);
         let mut largest = Largest::default();
-        for substance in found() {
-            for (at, len) in rows_of(layout, substance.cells.extent(k), k) {
-                on.simd.vectorize(
-                    #[inline(always)]
-                    || {
+        on.simd.vectorize(
+            #[inline(always)]
+            || {
+                for substance in found() {
+                    for (at, len) in rows_of(layout, substance.cells.extent(k), k) {
                         let sum = &mut plane[at - (k + 1) * layout.plane..][..len];
                         let fraction = cut(&substance.cells.fraction, at, len);
                         for i in 0..len {
@@ -105,10 +105,10 @@ fn set_sum(on: Engine<'_>, layout: &Layout, all: &[Substance], sum: &mut [f32]) 
                             #[inline(always)]
                             |i| sum[i],
                         );
-                    },
-                );
-            }
-        }
+                    }
+                }
+            },
+        );
         [largest.get(), 0.0, 0.0, 0.0]
     };
     let larger = |a: [f64; 4], b: [f64; 4]| [a[0].max(b[0]), 0.0, 0.0, 0.0];

@@ -207,7 +207,7 @@ impl Sweep<'_> {
             // One block more than needed: whole blocks cost less than what is left of one.
             let more = len + BLOCK;
             old[..3].copy_from_slice(&behind);
-            put(&mut old[3..][..len], cut(plane, to + start, len));
+            put(&mut old[3..][..len], cut(plane, to + start, len), len);
             old[len + 3..][..3].copy_from_slice(cut(plane, to + start + len, 3));
             self.set_row_steps(&mut steps[..more], old, at, start);
             // What passes the last face, the side of the box, is not for a sweep to take.
@@ -230,7 +230,7 @@ impl Sweep<'_> {
             self.set_next(&mut next[..len], [beside[0], volumes], fluxes, [flow[0], flow[1]]);
             behind.copy_from_slice(cut(old, count, 3));
             flux_behind = flux[count];
-            put(cut_mut(plane, to + start, count), next);
+            put(cut_mut(plane, to + start, len), next, count);
         }
     }
 
@@ -336,7 +336,7 @@ impl Sweep<'_> {
                 let fluxes = [&flux[other][..len], &flux[this][..len]];
                 let old = [beside[0], &volumes[other][..len]];
                 self.set_next(&mut next[..len], old, fluxes, [flow[0], flow[1]]);
-                put(rows.write(face - 1, first, columns.len()), next);
+                put(rows.write(face - 1, first, len), next, columns.len());
             }
         }
     }
@@ -377,15 +377,18 @@ fn set_steps(steps: &mut [f32], [below, above]: [&[f32]; 2], open: Option<&[f32]
     }
 }
 
-/// Puts the first values of `from` to `to`, as many as that holds, whole blocks at a time: short
-/// copies of any length would cost calls.
+/// Puts the first `count` values of `from` to `to`, in whole blocks: what is beyond them stays.
+/// Copies of any other length would cost calls, or tests of each value.
 #[inline(always)]
-fn put(to: &mut [f32], from: &[f32]) {
-    let (whole, rest) = to.as_chunks_mut::<BLOCK>();
-    let (blocks, _) = from.as_chunks::<BLOCK>();
-    whole.iter_mut().zip(blocks).for_each(|(to, from)| *to = *from);
-    if let Some(last) = blocks.get(whole.len()) {
-        rest.iter_mut().zip(last).for_each(|(to, from)| *to = *from);
+fn put(to: &mut [f32], from: &[f32], count: usize) {
+    let (to, _) = to.as_chunks_mut::<BLOCK>();
+    let (from, _) = from.as_chunks::<BLOCK>();
+    for (b, (to, from)) in to.iter_mut().zip(from).enumerate() {
+        let (old, left) = (*to, count.saturating_sub(b * BLOCK));
+        *to = each(
+            #[inline(always)]
+            |i| if i < left { from[i] } else { old[i] },
+        );
     }
 }
 
