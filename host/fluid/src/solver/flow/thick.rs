@@ -63,6 +63,12 @@ impl Thick {
             #[inline(always)]
             |rate, inertia, friction| rate - friction / inertia,
         );
+        let stress = &self.stress;
+        visit_pulled(on, |c, at, wall_m_s| {
+            if stress.inertia[c][at] > 0.0 {
+                rates[c][at] += stress.drag(c, at) * wall_m_s / stress.inertia[c][at];
+            }
+        });
     }
 
     /// Makes of a change of velocity, if any, the right side that adds to it what friction takes in
@@ -75,6 +81,19 @@ impl Thick {
             #[inline(always)]
             |change, inertia, friction| inertia * change - dt_s * friction,
         );
+        let stress = &self.stress;
+        visit_pulled(on, |c, at, wall_m_s| {
+            if stress.inertia[c][at] > 0.0 {
+                rhs[c][at] += dt_s * stress.drag(c, at) * wall_m_s;
+            }
+        });
+    }
+
+    /// Friction of a face in the velocity that was asked for last, and the drag of resting walls in
+    /// it; none where nothing moves by itself.
+    pub fn friction(&self, c: usize, at: usize) -> [f32; 2] {
+        let is_moved = self.stress.inertia[c][at] > 0.0;
+        if is_moved { [self.product[c][at], self.stress.drag(c, at)] } else { [0.0; 2] }
     }
 
     /// out = mixed(out, inertia, product) where anything moves, 0 elsewhere.
@@ -188,5 +207,12 @@ impl Thick {
                 },
             )[0]
         })
+    }
+}
+
+/// Calls `visit(component, index, velocity)` for all faces that moving walls pull.
+fn visit_pulled(on: Engine<'_>, visit: impl FnMut(usize, usize, f32)) {
+    if let Some(solids) = on.faces.solids() {
+        solids.visit_beside(visit);
     }
 }
