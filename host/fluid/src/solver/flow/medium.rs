@@ -279,12 +279,25 @@ impl Flow {
             weight.set(on, layout, ghosts, &mixture.density);
         }
         if mixture.is_thick_somewhere {
-            let thick = mixture.thick.get_or_insert_with(|| Thick::new(layout, faces));
-            let per_area = self.grid.spacing_m.powi(2).recip();
-            let density = mixture.is_weighty.then_some(&mixture.density);
-            thick.stress.set(on, ghosts, &mixture.viscosity_m2_s, density, per_area);
+            mixture.thick.get_or_insert_with(|| Thick::new(layout, faces));
+            mixture.is_friction_due = true;
         }
         self.set_buoyancy(mixture);
+    }
+
+    /// Brings the friction up to date with what has been set since the last step.
+    pub(super) fn set_friction(&mut self) {
+        let Self { faces, ghosts, pool, simd, mixture, .. } = self;
+        let Some(mixture) = mixture.as_mut().filter(|mixture| mixture.is_friction_due) else {
+            return;
+        };
+        mixture.is_friction_due = false;
+        let density = mixture.is_weighty.then_some(&mixture.density);
+        let per_area = self.grid.spacing_m.powi(2).recip();
+        if let Some(thick) = &mut mixture.thick {
+            let on = Engine { pool, simd: *simd, faces };
+            thick.stress.set(on, ghosts, &mixture.viscosity_m2_s, density, per_area);
+        }
     }
 
     /// Brings a mixture up to date with faces that have changed.

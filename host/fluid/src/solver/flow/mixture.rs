@@ -37,6 +37,8 @@ pub struct Mixture {
     /// The friction of viscosities that differ; as it was when they last did.
     pub thick: Option<Thick>,
     pub is_thick_somewhere: bool,
+    /// True if the friction is still that of other liquid or faces: the next step sets it.
+    pub is_friction_due: bool,
     /// What densities weigh that differ too much for gravity alone, and no pressure.
     pub weight: Option<(Density, Field)>,
     pub is_weighty: bool,
@@ -100,6 +102,7 @@ impl Mixture {
             total_m_s2: vector(),
             thick: None,
             is_thick_somewhere: false,
+            is_friction_due: false,
             weight: None,
             is_weighty: false,
         }

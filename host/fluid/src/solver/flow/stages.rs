@@ -196,9 +196,8 @@ impl Flow {
         let (number, iterations) =
             match self.mixture.as_mut().and_then(|mixture| mixture.thick_somewhere()) {
                 Some(thick) => {
-                    thick.prepare(on, velocity, dt_s, out);
-                    let s = theta as f32 * dt_s;
-                    (part.dt_s, thick.solve(on, ghosts, s, out, velocity))
+                    let times_s = [dt_s, theta as f32 * dt_s];
+                    (part.dt_s, thick.advance(on, ghosts, times_s, out, velocity))
                 }
                 None => {
                     let Some(viscous) = &mut self.viscous else { return 0 };
@@ -245,8 +244,8 @@ impl Flow {
             match self.mixture.as_mut().and_then(|mixture| mixture.thick_somewhere()) {
                 Some(thick) => {
                     rhs.iter_mut().for_each(|rhs| rhs.fill(0.0));
-                    thick.prepare(on, velocity, dt_s as f32, rhs);
-                    (dt_s, thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity))
+                    let times_s = [dt_s as f32, (theta * dt_s) as f32];
+                    (dt_s, thick.advance(on, ghosts, times_s, rhs, velocity))
                 }
                 None => {
                     let Some(viscous) = &mut self.viscous else { return 0 };

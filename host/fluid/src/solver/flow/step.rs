@@ -64,6 +64,7 @@ impl Flow {
     /// See [`crate::solver::Solver::step`].
     pub(super) fn advance(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
         check_step(dt_s)?;
+        self.set_friction();
         self.dress(dt_s);
         self.open_coupling();
         if self.survey.is_none() {

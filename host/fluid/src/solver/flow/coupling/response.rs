@@ -66,10 +66,7 @@ impl Flow {
             let thick = mixture.and_then(|mixture| mixture.thick_somewhere());
             *friction = if thick.is_some() { thick_s } else { number };
             report.viscous_iterations += match (thick, viscous) {
-                (Some(thick), _) => {
-                    thick.prepare(on, response, 0.0, rhs);
-                    thick.solve(on, ghosts, thick_s as f32, rhs, response)
-                }
+                (Some(thick), _) => thick.advance(on, ghosts, [0.0, thick_s as f32], rhs, response),
                 (None, Some(viscous)) => {
                     let (s, room) = (*friction as f32, projection.room());
                     viscous.solve(on, ghosts, room, s, rhs, response)
