@@ -135,7 +135,6 @@ fn a_viscosity_that_hardly_differs_drags_a_ball_as_the_same_everywhere() {
             let ((same, same_n), (other, other_n)) = (run(0.0), run(3e-3));
             let error = apart(&same, &other);
             let force_error = (same_n - other_n).length() / same_n.length();
-            println!("{velocity_m_s} {scheme:?}: {error} {force_error}");
             assert!(error < 0.015 && force_error < 0.1, "{error} {force_error}");
         }
     }
@@ -149,12 +148,12 @@ fn hasimoto(c: f64) -> f64 {
 
 #[test]
 fn the_drag_on_a_ball_that_stresses_hold_is_that_of_hasimoto() {
-    for (n, at_most) in [(16, 0.05), (24, 0.025)] {
+    for (n, at_most) in [(16, 0.05), (20, 0.04)] {
         let (mut flow, ball) = with_ball(&periodic(n, 1.0, Walls::NoSlip), 0.2);
         let nu = |p: DVec3| if p.x > 0.5 { 1.003 } else { 1.0 };
         flow.set_medium(&|p| medium(1000.0, nu(p))).expect("in range");
         flow.set_force(&|_| DVec3::X).expect("finite");
-        (0..40).for_each(|_| assert_eq!(flow.step(0.02).expect("finite").guard_actions, 0));
+        (0..20).for_each(|_| assert_eq!(flow.step(0.02).expect("finite").guard_actions, 0));
         let u = flow.momentum_n_s().x / 1000.0;
         let ball_m3 = 4.0 / 3.0 * PI * 0.2f64.powi(3);
         let drag = 1000.0 / (6.0 * PI * 1001.5 * 0.2 * u * hasimoto(ball_m3));
@@ -195,7 +194,6 @@ fn what_unlike_liquid_loses_a_resting_ball_gets() {
         schemes.dedup();
         let residual_n_s = flow.momentum_n_s() - before_n_s + given_n_s;
         let part = residual_n_s.length() / given_n_s.length();
-        println!("{dense} {thick} {dt_s}: {part} {given_n_s} {schemes:?} {guard_actions}");
         assert!(part < at_most && given_n_s.x > 0.0, "{part} {dense} {thick} {schemes:?}");
     }
 }
@@ -267,7 +265,6 @@ fn a_ball_in_what_is_denser_than_the_setup_meets_as_much_more() {
         };
         let ((all_n, all_j), (medium_n, medium_j)) = (run(false), run(true));
         let error = apart(&all_n, &medium_n);
-        println!("{walls:?} {error} {}", medium_j / all_j);
         assert!(error < 0.05 && (medium_j / all_j - 1.0).abs() < 0.03, "{error}");
     }
 }
@@ -318,7 +315,7 @@ fn bits_of_a_stirred_mixture_depend_on_no_threads() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
     fn any_jump_in_any_mixture_gives_no_more_than_its_work(

@@ -113,11 +113,15 @@ impl Thick {
         change: &mut Vector,
         velocity: &mut Vector,
     ) -> u32 {
+        let has_solids = on.faces.solids().is_some();
+        if has_solids {
+            // What a face on an open side has of its own would push what follows within without end.
+            openings::extend(&self.layout, on.faces, velocity);
+        }
         self.stress.apply(on, components(velocity), &mut self.product, [0.0, 1.0]);
-        if on.faces.solids().is_some()
-            && self.is_rest_nearer(on, ghosts, [dt_s, s], change, velocity)
-        {
+        if has_solids && self.is_rest_nearer(on, ghosts, [dt_s, s], change, velocity) {
             self.start_from_rest([dt_s, s], change, velocity);
+            openings::extend(&self.layout, on.faces, velocity);
         } else {
             self.mix(
                 on,
