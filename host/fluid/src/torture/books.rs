@@ -103,7 +103,7 @@ impl Books {
         if world.case.sides.drive() {
             return;
         }
-        let all_kg = world.case.grid.len() as f64 * world.flow.cell_mass_kg();
+        let all_kg = world.case.grid.len() as f64 * world.heaviest_cell_kg();
         let wall_j = 0.5 * all_kg * (WALL_SPEEDS * wall_m_s).powi(2);
         let given = push_s * self.force_j_s2.sqrt() + dt_s * self.gravity_j_s2.sqrt();
         let allowed = (before.sqrt() + given + wall_j.sqrt()).powi(2);

@@ -77,7 +77,7 @@ fn not_asked(case: &Case) -> Vec<&'static str> {
     let asked = [
         (case.sides.drive(), "energy: a side drives"),
         (case.substances.is_empty(), "mass: nothing is poured"),
-        (Decay::of(case).is_none(), "rest: inviscid, driven, or streams through freely"),
+        (Decay::of(case).is_none(), "rest: inviscid, driven, or streams or turns freely"),
     ];
     asked.into_iter().filter_map(|(is_not, what)| is_not.then_some(what)).collect()
 }

@@ -9,12 +9,17 @@
 //! pressure do no work). A periodic axis has no ends: the uniform stream along it decays only
 //! where a side of another axis holds it, as nu (pi / 2 D)^2 at least, and waves as nu (2 pi /
 //! L)^2 or as between walls; so do the uniform stream and waves between open sides, from
-//! beyond which nothing comes. Of mixtures nu is the least viscosity over the greatest density.
+//! beyond which nothing comes. Of mixtures nu is the least viscosity over the greatest density;
+//! those are held by stresses, which liquid that turns like a solid knows nothing of: in a round
+//! vessel that it slides along it may go on for ever.
 
 use std::f64::consts::PI;
 
 use super::draw::Case;
-use crate::solver::Side;
+use crate::{
+    solver::{Side, Walls},
+    vessel::Vessel,
+};
 
 /// Speed below which the solver takes liquid for resting.
 const REST_M_S: f64 = 1e-6;
@@ -44,9 +49,12 @@ pub struct Decay {
 
 impl Decay {
     /// How the liquid of a case comes to rest; `None` if it does not, as it is inviscid, driven
-    /// by a side, or streams through periodic sides that nothing holds.
+    /// by a side, streams through periodic sides that nothing holds, or turns like a solid.
     #[must_use]
     pub fn of(case: &Case) -> Option<Self> {
+        if case.vessel != Vessel::Box && case.walls == Walls::FreeSlip && is_mixed(case) {
+            return None;
+        }
         let wave_per_m = slowest_wave_per_m(case).filter(|_| !case.sides.drive())?;
         let rate_per_s = SHARE_OF_RATE * least_viscosity_m2_s(case) * wave_per_m.powi(2);
         let dt_s = (1.0 / rate_per_s).min(LONGEST_STEP_S);
@@ -66,6 +74,13 @@ impl Decay {
         let most = self.most_steps as f64;
         (needed.clamp(1.0, most).ceil() as usize, needed <= most)
     }
+}
+
+/// True if something may be in the liquid that is not like it.
+fn is_mixed(case: &Case) -> bool {
+    let own = [case.density_kg_m3, case.viscosity_m2_s];
+    let mut all = case.substances.iter().map(|s| s.properties);
+    all.any(|p| [p.density_kg_m3, p.viscosity_m2_s] != own)
 }
 
 /// The least dynamic viscosity over the greatest density: what mixtures are at least.

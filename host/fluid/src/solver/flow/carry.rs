@@ -44,6 +44,7 @@ impl Flow {
         report: &mut StepReport,
     ) -> Result<(), Refused> {
         check_step(dt_s)?;
+        self.set_friction();
         self.carry(carriage, dt_s, self.force_scale, report);
         let speed_m_s = self.clear_and_count(report, 1.0).speed_m_s as f32;
         if speed_m_s > MAX_SPEED_M_S {

@@ -64,7 +64,8 @@ pub(super) struct Coupling {
     work_m2_s2: f64,
     /// What the liquid does with a push.
     response: Vector,
-    /// The part of nu dt / h^2 that acted on it; 0 if none did.
+    /// The part of nu dt / h^2 that acted on it, or of dt where friction differs from place to place;
+    /// 0 if none did.
     friction: f64,
     /// The pressure that took the divergence out of the push before that, times the step.
     pressure: Field,

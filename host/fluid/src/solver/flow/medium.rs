@@ -93,8 +93,8 @@ impl Flow {
     /// the cells. Where densities differ by at most a tenth from [`crate::solver::Setup`]'s they
     /// act through its gravity alone (Boussinesq 1903); beyond, they weigh in the pressure, too, and
     /// what is lighter than a thousandth of the densest counts as that. Viscosities that differ
-    /// are solved for as stresses. Around obstacles only gravity tells densities apart, and viscosity
-    /// is that of the setup. A medium that is the same everywhere costs nothing.
+    /// are solved for as stresses. Obstacles feel what is around them: what they cover is kept, and
+    /// is liquid again where they leave it. A medium that is the same everywhere costs nothing.
     ///
     /// Beyond open sides there is the liquid of the setup, at rest: what is lighter rises in it. Where
     /// densities weigh in the pressure, the lightest at each level is taken to be there instead.
@@ -132,14 +132,6 @@ impl Flow {
         (mixture.density, mixture.viscosity_m2_s) = (density, viscosity_m2_s);
         self.settle_medium(mixture);
         Ok(())
-    }
-
-    /// Forgets what differs from place to place in friction and weight.
-    pub(super) fn forget_unlike(&mut self) {
-        if let Some(mixture) = &mut self.mixture {
-            (mixture.is_thick_somewhere, mixture.is_weighty) = (false, false);
-            self.viscosity_m2_s = self.pure.viscosity_m2_s;
-        }
     }
 
     /// Mass of the liquid in one cell; where densities differ, of liquid that the flow counts by:
@@ -231,10 +223,10 @@ impl Flow {
         let mut mixture = self.take_mixture();
         if substances.densities().any(|density| self.is_weighty(density)) {
             self.projection.make_room();
-            mixture.weight = Some((Density::new(&self.layout, self.bare()), self.layout.zeros()));
+            mixture.weight = Some((Density::new(&self.layout, &self.faces), self.layout.zeros()));
         }
         if substances.viscosities().any(|viscosity| viscosity != liquid.viscosity_m2_s) {
-            mixture.thick = Some(Thick::new(&self.layout, self.bare()));
+            mixture.thick = Some(Thick::new(&self.layout, &self.faces));
         }
         self.spare_mixture = Some(mixture);
     }
@@ -253,31 +245,32 @@ impl Flow {
     fn settle_medium(&mut self, mut mixture: Box<Mixture>) {
         let density = self.range(&mixture.density);
         let viscosity = self.range(&mixture.viscosity_m2_s);
-        // Around obstacles all but gravity counts as that of the liquid alone.
-        let may_differ = self.obstacles.is_none();
         let pure = self.pure.density_kg_m3 as f32;
-        let reference = if may_differ { pure.max(density.least).min(density.most) } else { pure };
+        let reference = pure.max(density.least).min(density.most);
         self.density_kg_m3 = f64::from(reference);
         self.mixed = None;
         let has_viscosity = viscosity.most > LEAST_VISCOSITY_M2_S;
         self.viscosity_m2_s = if has_viscosity { f64::from(viscosity.most) } else { 0.0 };
         self.survey = None;
-        if !may_differ {
-            self.viscosity_m2_s = self.pure.viscosity_m2_s;
-        }
-        mixture.is_weighty =
-            may_differ && (self.is_weighty(density.most) || self.is_weighty(density.least));
-        let is_thick_somewhere = may_differ
-            && viscosity.most - viscosity.least > ALIKE * viscosity.most
+        mixture.is_weighty = self.is_weighty(density.most) || self.is_weighty(density.least);
+        let is_thick_somewhere = viscosity.most - viscosity.least > ALIKE * viscosity.most
             && viscosity.most > LEAST_VISCOSITY_M2_S;
         if density.least >= density.most && !is_thick_somewhere {
             self.spare_mixture = Some(mixture);
             return;
         }
-        let Self { layout, faces, ghosts, pool, simd, .. } = self;
         let lightest = density.most * LEAST_SHARE;
         mixture.density.iter_mut().for_each(|density| *density = density.max(lightest) / reference);
-        ghosts.extend_cells(&mut mixture.density);
+        self.ghosts.extend_cells(&mut mixture.density);
+        let is_weighty_and_thick = mixture.is_weighty && viscosity.most > LEAST_VISCOSITY_M2_S;
+        mixture.is_thick_somewhere = is_thick_somewhere || is_weighty_and_thick;
+        self.fit(&mut mixture);
+        self.mixture = Some(mixture);
+    }
+
+    /// Sets what the faces make of what is in the cells.
+    fn fit(&mut self, mixture: &mut Mixture) {
+        let Self { layout, faces, ghosts, pool, simd, .. } = self;
         let on = Engine { pool, simd: *simd, faces };
         if mixture.is_weighty {
             self.projection.make_room();
@@ -285,34 +278,64 @@ impl Flow {
             let (weight, _) = mixture.weight.get_or_insert_with(room);
             weight.set(on, layout, ghosts, &mixture.density);
         }
-        let is_weighty_and_thick = mixture.is_weighty && viscosity.most > LEAST_VISCOSITY_M2_S;
-        mixture.is_thick_somewhere = is_thick_somewhere || is_weighty_and_thick;
         if mixture.is_thick_somewhere {
-            let thick = mixture.thick.get_or_insert_with(|| Thick::new(layout, faces));
-            let per_area = self.grid.spacing_m.powi(2).recip();
-            let density = mixture.is_weighty.then_some(&mixture.density);
+            mixture.thick.get_or_insert_with(|| Thick::new(layout, faces));
+            mixture.is_friction_due = true;
+        }
+        self.set_buoyancy(mixture);
+    }
+
+    /// Brings the friction up to date with what has been set since the last step.
+    pub(super) fn set_friction(&mut self) {
+        let Self { faces, ghosts, pool, simd, mixture, .. } = self;
+        let Some(mixture) = mixture.as_mut().filter(|mixture| mixture.is_friction_due) else {
+            return;
+        };
+        mixture.is_friction_due = false;
+        let density = mixture.is_weighty.then_some(&mixture.density);
+        let per_area = self.grid.spacing_m.powi(2).recip();
+        if let Some(thick) = &mut mixture.thick {
+            let on = Engine { pool, simd: *simd, faces };
             thick.stress.set(on, ghosts, &mixture.viscosity_m2_s, density, per_area);
         }
-        self.set_buoyancy(&mut mixture);
-        self.mixture = Some(mixture);
+    }
+
+    /// Brings a mixture up to date with faces that have changed.
+    pub(super) fn refit_mixture(&mut self) {
+        if let Some(mut mixture) = self.mixture.take() {
+            self.fit(&mut mixture);
+            self.mixture = Some(mixture);
+        }
+    }
+
+    /// Makes anew what has been made for a mixture, once the faces are of another kind.
+    pub(super) fn remake_mixture(&mut self) {
+        for mixture in [&mut self.mixture, &mut self.spare_mixture].into_iter().flatten() {
+            mixture.remake(&self.layout, &self.faces);
+            if mixture.weight.is_some() {
+                self.projection.make_room();
+            }
+        }
+        self.refit_mixture();
     }
 
     /// Lets gravity act on what a mixture is made of. Beyond sides that are open there is pure liquid:
     /// what is lighter rises in it. Where densities weigh in the pressure, the lightest floats.
     fn set_buoyancy(&self, mixture: &mut Mixture) {
-        let weighs = mixture.is_weighty || self.obstacles.is_some();
         let beyond = (self.ghosts.is_any_free() && !mixture.is_weighty)
             .then_some((self.pure.density_kg_m3 / self.density_kg_m3) as f32);
-        mixture.set_buoyancy(&self.layout, &self.faces, self.gravity_m_s2, weighs, beyond);
+        mixture.set_buoyancy(&self.layout, &self.faces, self.gravity_m_s2, beyond);
     }
 
+    /// What obstacles cover counts, too: it may be liquid in the next step.
     fn range(&self, field: &Field) -> Range {
+        let liquid = &self.bare().liquid;
         // Bits of positive floats are in their order, and extremes of integers are vector code.
         let (mut least, mut most) = (f32::INFINITY.to_bits(), 0);
         self.simd.vectorize(
             #[inline(always)]
             || {
-                for (value, liquid) in field.iter().zip(self.faces.liquid.iter()) {
+                for (value, liquid) in field.iter().zip(liquid.iter()) {
                     let bits = value.to_bits();
                     least = least.min(if *liquid > 0.0 { bits } else { u32::MAX });
                     most = most.max(if *liquid > 0.0 { bits } else { 0 });

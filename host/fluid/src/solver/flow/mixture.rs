@@ -28,8 +28,8 @@ pub struct Mixture {
     pub viscosity_m2_s: Field,
     /// What gravity does at open faces.
     pub buoyancy_m_s2: Vector,
-    /// Density of what floats at each level along one axis.
-    floating: Vec<f32>,
+    /// Density of what floats at each level along each axis; infinite where nothing is open.
+    floating: [Vec<f32>; 3],
     /// Largest of what gravity does.
     pub largest_m_s2: f64,
     /// All that accelerates a stage.
@@ -37,6 +37,8 @@ pub struct Mixture {
     /// The friction of viscosities that differ; as it was when they last did.
     pub thick: Option<Thick>,
     pub is_thick_somewhere: bool,
+    /// True if the friction is still that of other liquid or faces: the next step sets it.
+    pub is_friction_due: bool,
     /// What densities weigh that differ too much for gravity alone, and no pressure.
     pub weight: Option<(Density, Field)>,
     pub is_weighty: bool,
@@ -66,6 +68,26 @@ pub struct Accelerating<'a> {
     pub force: Option<[&'a [f32]; 3]>,
     /// What stands for the pressure, if that is in the acceleration: zeros.
     pub pressure: Option<&'a Field>,
+    /// What else a mixture is.
+    pub unlike: Unlike<'a>,
+}
+
+/// What is not the same everywhere, where that counts for more than gravity.
+#[derive(Clone, Copy, Default)]
+pub struct Unlike<'a> {
+    /// Density of cells, per that of the flow, if it weighs.
+    pub density: Option<&'a Field>,
+    /// Friction that differs from place to place.
+    pub friction: Option<&'a Thick>,
+}
+
+impl Unlike<'_> {
+    /// Density of the liquid at a face, per that of the flow.
+    pub fn density_at(&self, layout: &Layout, c: usize, at: usize) -> f64 {
+        self.density.map_or(1.0, |density| {
+            0.5 * (f64::from(density[at]) + f64::from(density[at - layout.strides()[c]]))
+        })
+    }
 }
 
 impl Mixture {
@@ -75,14 +97,38 @@ impl Mixture {
             density: layout.zeros(),
             viscosity_m2_s: layout.zeros(),
             buoyancy_m_s2: vector(),
-            floating: vec![0.0; layout.cells.into_iter().max().unwrap_or(0)],
+            floating: layout.cells.map(|n| vec![f32::INFINITY; n]),
             largest_m_s2: 0.0,
             total_m_s2: vector(),
             thick: None,
             is_thick_somewhere: false,
+            is_friction_due: false,
             weight: None,
             is_weighty: false,
         }
+    }
+
+    /// Makes anew what it has been made for other faces.
+    pub fn remake(&mut self, layout: &Layout, faces: &Faces) {
+        if let Some((density, _)) = &mut self.weight {
+            *density = Density::new(layout, faces);
+        }
+        if let Some(thick) = &mut self.thick {
+            *thick = Thick::new(layout, faces);
+        }
+    }
+
+    /// What it is like where it is not as the flow says.
+    pub fn unlike(&self) -> Unlike<'_> {
+        Unlike {
+            density: self.is_weighty.then_some(&self.density),
+            friction: self.thick.as_ref().filter(|_| self.is_thick_somewhere),
+        }
+    }
+
+    /// Density of what floats at the level of a face, per that of the flow; `None` where nothing does.
+    pub fn floating(&self, c: usize, level: usize) -> Option<f32> {
+        self.floating[c].get(level).copied().filter(|density| density.is_finite())
     }
 
     /// What densities weigh, if they differ too much for gravity alone.
@@ -103,8 +149,8 @@ impl Mixture {
 
     /// Sets what gravity does to it.
     ///
-    /// Where `weighs`, by what is denser of the liquid and what floats in it, so that nothing falls or
-    /// rises faster than freely.
+    /// Where it weighs, by what is denser of the liquid and what floats in it, so that nothing falls
+    /// or rises faster than freely.
     /// What is as dense as `beyond` floats, or, where that is not said, the lightest of each level
     /// does: in a closed box the pressure makes up for either, and this one leaves layers at rest.
     pub fn set_buoyancy(
@@ -112,20 +158,19 @@ impl Mixture {
         layout: &Layout,
         faces: &Faces,
         gravity_m_s2: DVec3,
-        weighs: bool,
         beyond: Option<f32>,
     ) {
         self.largest_m_s2 = 0.0;
         for c in 0..3 {
             let (out, gravity) = (&mut self.buoyancy_m_s2[c], gravity_m_s2[c] as f32);
+            let floating = &mut self.floating[c];
+            out.fill(0.0);
+            floating.fill(f32::INFINITY);
             if gravity == 0.0 {
-                out.fill(0.0);
                 continue;
             }
             let (stride, density, open) = (layout.strides()[c], &*self.density, &*faces.open[c]);
             let mean = |at: usize| 0.5 * (density[at] + density[at - stride]);
-            let floating = &mut self.floating[..layout.cells[c]];
-            floating.fill(f32::INFINITY);
             let open_faces = || {
                 let all = cells(layout.cells).map(|(i, j, k)| ([i, j, k], layout.index(i, j, k)));
                 all.filter(|(_, at)| open[*at] > 0.0)
@@ -138,7 +183,7 @@ impl Mixture {
                 }
             }
             for (face, at) in open_faces() {
-                let weight = if weighs { mean(at).max(floating[face[c]]) } else { 1.0 };
+                let weight = if self.is_weighty { mean(at).max(floating[face[c]]) } else { 1.0 };
                 out[at] = gravity * (mean(at) - floating[face[c]]) / weight;
                 self.largest_m_s2 = self.largest_m_s2.max(f64::from(out[at].abs()));
             }
@@ -216,17 +261,19 @@ pub fn accelerating<'a>(
     match mixture {
         Some(mixture) => {
             mixture.drive(on, layout, force.as_ref(), pull);
+            let mixture = &**mixture;
             let is_summed = force.is_some() || mixture.is_weighty || mixture.is_thick_somewhere;
             let pressure = mixture.weight.as_ref().filter(|_| mixture.is_weighty);
             let total = if is_summed { &mixture.total_m_s2 } else { &mixture.buoyancy_m_s2 };
             Accelerating {
                 force: Some(components(total)),
                 pressure: pressure.map(|(_, none)| none),
+                unlike: mixture.unlike(),
             }
         }
         None => {
             let force = force.as_ref().map(|force| components(&force.acceleration_m_s2));
-            Accelerating { force, pressure: None }
+            Accelerating { force, pressure: None, unlike: Unlike::default() }
         }
     }
 }
@@ -238,4 +285,9 @@ pub fn working<'a>(
 ) -> Option<[&'a [f32]; 3]> {
     let alone = || force.map(|force| components(&force.acceleration_m_s2));
     mixture.map(|mixture| mixture.driven(force)).or_else(alone)
+}
+
+/// What is not the same everywhere in a liquid, if anything is.
+pub fn unlike_in(mixture: Option<&Mixture>) -> Unlike<'_> {
+    mixture.map(Mixture::unlike).unwrap_or_default()
 }

@@ -105,6 +105,7 @@ impl Obstacles {
             }
             flow.fill_pressure_in(&part);
         }
+        flow.refit_mixture();
     }
 
     /// Lets the flow know of all that moves.
@@ -252,7 +253,8 @@ impl Flow {
     /// (or, where walls slide, with that of the liquid around). Through a periodic side it comes
     /// in again. Where liquid that is shut in is asked to give way, it is taken to shrink or swell.
     ///
-    /// The cost is that of the cells about it, and of looking at all to see which are shut in.
+    /// The cost is that of the cells about it, and of looking at all to see which are shut in; in a
+    /// medium that is not the same everywhere, of setting anew what that makes of all.
     ///
     /// # Errors
     /// [`Refused`] if there is no such obstacle, or [`Obstacle::check`] says so; nothing is
@@ -310,6 +312,11 @@ impl Flow {
     /// ([`Scheme::Traced`](crate::solver::Scheme)), without what tracing lost beside the
     /// obstacle. Forces on an obstacle that moves vary by some per cent as it passes from cell to
     /// cell: take means over a cell's length.
+    ///
+    /// What gravity lifts it by is in the force as far as the liquid around it is denser or lighter
+    /// than what the flow counts by ([`Flow::cell_mass_kg`]): in liquid that is the same everywhere
+    /// gravity does nothing, and lifts nothing. Where densities weigh and differ beside the
+    /// obstacle, its share of the momentum that flows carry is by the density at each face.
     ///
     /// # Errors
     /// [`Refused`] if there is no such obstacle.
@@ -379,7 +386,7 @@ impl Flow {
         if self.viscosity_m2_s > 0.0 {
             self.make_viscous();
         }
-        self.forget_unlike();
+        self.remake_mixture();
     }
 
     /// Nothing that was extrapolated from the last step holds any more.

@@ -323,10 +323,13 @@ impl Beside<'_> {
     }
 }
 
-/// Gives faces on upper open sides what those before them have, where kernels end before them.
+/// Gives faces on upper open sides what those before them have, where kernels end before them; those
+/// that walls shut have nothing.
 pub fn extend_above(layout: &Layout, faces: &Faces, vector: &mut Vector) {
     for (c, _) in open_sides(faces).filter(|(_, end)| *end == 1) {
-        each_place(layout, c, 1, |Place { at, cell, .. }| vector[c][at] = vector[c][cell]);
+        each_place(layout, c, 1, |Place { at, cell, .. }| {
+            vector[c][at] = faces.open[c][at] * vector[c][cell];
+        });
     }
 }
 
@@ -334,7 +337,9 @@ pub fn extend_above(layout: &Layout, faces: &Faces, vector: &mut Vector) {
 pub fn extend(layout: &Layout, faces: &Faces, vector: &mut Vector) {
     for (c, _) in open_sides(faces).filter(|(c, end)| *end == 0 && layout.cells[*c] > 1) {
         let behind = layout.strides()[c];
-        each_place(layout, c, 0, |Place { at, .. }| vector[c][at] = vector[c][at + behind]);
+        each_place(layout, c, 0, |Place { at, .. }| {
+            vector[c][at] = faces.open[c][at] * vector[c][at + behind];
+        });
     }
     extend_above(layout, faces, vector);
 }

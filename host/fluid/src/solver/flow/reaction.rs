@@ -8,7 +8,8 @@
 //! open faces, in the second the neighbours' exchange of momentum adds up to nothing over all
 //! faces. It holds friction, and also what the inertia of faces beside a wall
 //! (see [`super::walls`]), which is more than their liquid's, takes of their momentum.
-//! Amounts are in units of velocity times the mass of a cell.
+//! Amounts are in units of velocity times the mass of a cell, full of liquid of the density that the
+//! flow counts by; where densities weigh, du is by that of the face.
 
 use glam::{DVec3, Vec3};
 
@@ -17,8 +18,10 @@ use crate::solver::{
     flow::{
         faces::Faces,
         field::{Layout, Vector},
+        mixture::{Mixture, Unlike},
         momentum::Stage,
         obstacles::{Body, Obstacles},
+        thick::Thick,
         walls::{WallFace, Weights},
     },
 };
@@ -71,12 +74,23 @@ pub enum Viscosity {
 /// What came of an implicit part, beside a face.
 #[derive(Clone, Copy)]
 pub struct Solved<'a> {
-    /// nu dt / h^2, and the part of it that acted on the change.
+    /// nu dt / h^2, and the part of it that acted on the change; where friction differs from place to
+    /// place, what is left of them without nu / h^2.
     pub number: f64,
     pub s: f64,
     /// What pushed: the pressure per density and spacing, and the force, both times these.
     pub pressure: Option<(&'a [f32], f64)>,
     pub force: Option<([&'a [f32]; 3], f64)>,
+    /// What the liquid is there.
+    pub unlike: Unlike<'a>,
+}
+
+impl Unlike<'_> {
+    /// Drag of the wall beside a face, in units of nu / h^2 if that is the same everywhere.
+    fn drag(&self, c: usize, face: &WallFace) -> f64 {
+        let differs = |thick: &Thick| thick.friction(c, face.at as usize)[1];
+        f64::from(self.friction.map_or(face.drag, differs))
+    }
 }
 
 impl Obstacles {
@@ -104,24 +118,42 @@ impl Obstacles {
         }
     }
 
-    /// Measures what the walls give the liquid in a stage: with weights in units of a step, or
-    /// as rates.
-    pub fn measure(&mut self, faces: &Faces, stage: Stage<'_>, weights: Weights, how: Viscosity) {
+    /// Measures what the walls give the liquid in a stage of this length; in 1 s, as rates.
+    pub fn measure(
+        &mut self,
+        faces: &Faces,
+        stage: Stage<'_>,
+        time_s: f32,
+        how: Viscosity,
+        unlike: Unlike<'_>,
+    ) {
         let Some(vessel) = &faces.vessel else { return };
+        let weights = Weights::of(stage.terms, time_s);
         self.gather(&stage.layout, faces, |c, face, wall_m_s| {
-            let [all, open] = face.advection(&stage, &vessel.area, c, wall_m_s).map(f64::from);
-            let (carried, carried_on) =
-                (f64::from(weights.advection) * all, f64::from(weights.advection) * open);
+            let at = face.at as usize;
+            let advection = f64::from(weights.advection) * unlike.density_at(&stage.layout, c, at);
+            let [carried, carried_on] = face
+                .advection(&stage, &vessel.area, c, wall_m_s)
+                .map(|flux| advection * f64::from(flux));
             if how == Viscosity::Implicit {
                 return carried - carried_on;
             }
             let u = stage.velocity[c];
-            let here = f64::from(u[face.at as usize]);
-            let viscous = f64::from(weights.viscous);
-            let exchanged = viscous
-                * f64::from(face.around(&stage.layout, u) - face.area() * u[face.at as usize]);
-            let pull = viscous * f64::from(face.drag) * (f64::from(wall_m_s[c]) - here);
-            let share = f64::from(vessel.area[c][face.at as usize] * face.per_inertia);
+            let more_m_s = f64::from(wall_m_s[c]) - f64::from(u[at]);
+            let [exchanged, pull] = match unlike.friction {
+                Some(thick) => {
+                    let [friction, drag] = thick.friction(c, at).map(f64::from);
+                    let kept = drag * f64::from(u[at]) - friction;
+                    [kept, drag * more_m_s].map(|rate| f64::from(time_s) * rate)
+                }
+                None => {
+                    let viscous =
+                        f64::from(weights.viscous) * unlike.density_at(&stage.layout, c, at);
+                    let kept = face.around(&stage.layout, u) - face.area() * u[at];
+                    [viscous * f64::from(kept), viscous * f64::from(face.drag) * more_m_s]
+                }
+            };
+            let share = f64::from(vessel.area[c][at] * face.per_inertia);
             share * (carried + exchanged + pull) - (carried_on + exchanged)
         });
     }
@@ -153,15 +185,16 @@ impl Obstacles {
         self.gather(layout, faces, |c, face, wall_m_s| {
             let place = places[c];
             places[c] += 1;
-            let (at, drag) = (face.at as usize, f64::from(face.drag));
+            let (at, drag) = (face.at as usize, solved.unlike.drag(c, face));
+            let density = solved.unlike.density_at(layout, c, at);
             let here = f64::from(before[c][place]);
             let change = f64::from(after[c][place]) - here;
             let pressed = solved.pressure.map_or(0.0, |(p, dt_s)| {
-                dt_s * (f64::from(p[at - layout.strides()[c]]) - f64::from(p[at]))
+                dt_s * (f64::from(p[at - layout.strides()[c]]) - f64::from(p[at])) / density
             });
             let forced = solved.force.map_or(0.0, |(f, push_s)| push_s * f64::from(f[c][at]));
             let lacking = f64::from(vessel.area[c][at]) - f64::from(face.inertia);
-            lacking * (change - pressed - forced)
+            density * lacking * (change - pressed - forced)
                 + solved.number * drag * (f64::from(wall_m_s[c]) - here)
                 - solved.s * drag * change
         });
@@ -172,16 +205,25 @@ impl Obstacles {
     }
 
     /// Counts `share` of what walls gave to a push that was kept before and after friction acted on
-    /// it, of which s is the part of nu dt / h^2 that did: they met it at rest.
-    pub fn count_response(&mut self, layout: &Layout, faces: &Faces, s: f64, share: f64) {
+    /// it, with s as in [`Solved`]: they met it at rest.
+    pub fn count_response(
+        &mut self,
+        layout: &Layout,
+        faces: &Faces,
+        s: f64,
+        share: f64,
+        unlike: Unlike<'_>,
+    ) {
         let Some(vessel) = &faces.vessel else { return };
         let [before, after] = std::mem::take(&mut self.beside);
         let mut places = [0; 3];
         self.gather(layout, faces, |c, face, _| {
             let [before, after] = [&before, &after].map(|kept| f64::from(kept[c][places[c]]));
             places[c] += 1;
-            let lacking = f64::from(vessel.area[c][face.at as usize]) - f64::from(face.inertia);
-            lacking * (after - before) - s * f64::from(face.drag) * after
+            let at = face.at as usize;
+            let lacking = f64::from(vessel.area[c][at]) - f64::from(face.inertia);
+            unlike.density_at(layout, c, at) * lacking * (after - before)
+                - s * unlike.drag(c, face) * after
         });
         self.beside = [before, after];
         for Account { sum, rate, .. } in self.bodies.iter_mut().map(|body| &mut body.account) {
@@ -222,6 +264,30 @@ impl Obstacles {
         };
         let by_force_j = -dt_s * self.bodies.iter().map(power_w).sum::<f64>();
         by_force_j.max(mass_kg * std::mem::take(&mut self.displacing_m2_s2))
+    }
+
+    /// Adds to the forces what gravity lifts by beyond what it would in liquid of the density that
+    /// the flow counts by: the pressure that it makes of what floats at each level is in no other.
+    pub fn lift(
+        &mut self,
+        layout: &Layout,
+        faces: &Faces,
+        mixture: &Mixture,
+        cell_weight_n: DVec3,
+    ) {
+        let Some(solids) = faces.solids() else { return };
+        for c in (0..3).filter(|c| cell_weight_n[*c] != 0.0) {
+            for face in solids.covered(c) {
+                let at = face.at as usize;
+                let Some(floating) = mixture.floating(c, layout.cell_of(at)[c]) else { continue };
+                let Some(index) = self.bodies.iter().position(|body| body.id == face.owner) else {
+                    continue;
+                };
+                let (_, arm) = self.wall_at(layout, c, at, &self.bodies[index]);
+                let given = -f64::from(face.part) * (f64::from(floating) - 1.0) * cell_weight_n[c];
+                self.bodies[index].account.mean.add(given, of_axis(c, arm.as_dvec3()));
+            }
+        }
     }
 
     /// Ends a step: `per_s` turns sums into forces.

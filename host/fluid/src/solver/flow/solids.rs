@@ -43,7 +43,8 @@ pub struct Covered {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Beside {
     at: u32,
-    /// Drag times velocity of the wall.
+    /// Velocity of the wall, and drag times that.
+    wall_m_s: f32,
     pull: f32,
     /// What the walls of both cells displace.
     swell: f32,
@@ -126,12 +127,16 @@ impl Solids {
         }
     }
 
-    /// How fast walls displace liquid, in units of face area.
-    pub fn displaced_m_s(&self) -> f64 {
+    /// How fast walls displace liquid, in units of face area, by its density where that weighs.
+    pub fn displaced_m_s(&self, density: Option<&Field>) -> f64 {
         if !self.is_moving {
             return 0.0;
         }
-        self.swell.iter().map(|swell| f64::from(swell.abs())).sum()
+        let all = self.swell.iter().map(|swell| f64::from(swell.abs()));
+        match density {
+            Some(density) => all.zip(density.iter()).map(|(s, rho)| s * f64::from(*rho)).sum(),
+            None => all.sum(),
+        }
     }
 
     /// Sum over all cells of what their walls displace, times `weight`.
@@ -178,7 +183,7 @@ impl Solids {
                     let swell = self.swell[at] + self.swell[at - layout.strides()[c]];
                     let per_inertia = face.per_inertia;
                     let pull = per_inertia * face.drag * wall_m_s;
-                    Beside { at: face.at, pull, swell: per_inertia * share * swell }
+                    Beside { at: face.at, wall_m_s, pull, swell: per_inertia * share * swell }
                 }));
             }
         }
@@ -210,6 +215,13 @@ impl Solids {
             for face in planes.iter().flatten() {
                 change[face.at as usize] += number * face.pull;
             }
+        }
+    }
+
+    /// Calls `visit(component, index, wall's velocity)` for the faces of liquid beside moving walls.
+    pub fn visit_beside(&self, mut visit: impl FnMut(usize, usize, f32)) {
+        for (c, planes) in self.beside.iter().enumerate() {
+            planes.iter().flatten().for_each(|face| visit(c, face.at as usize, face.wall_m_s));
         }
     }
 

@@ -7,7 +7,7 @@ use crate::solver::flow::{
     engine::Engine,
     field::{Vector, components},
     ghosts::Fill,
-    mixture::{Accelerating, Pull, accelerating, working},
+    mixture::{Accelerating, Pull, accelerating, unlike_in, working},
     momentum::{Multistep, MultistepRun, RungeKutta, RungeKuttaRun, Semi, SemiRun, Stage, Terms},
     openings::Beside,
     pressure::Prediction,
@@ -109,10 +109,11 @@ impl Flow {
         let (pool, simd) = (&self.pool, &self.simd);
         let on = Engine { pool, simd: *simd, faces };
         let pull = Pull { slowed: Some(components(velocity)), ..Pull::of(scale) };
-        let force = accelerating(on, layout, &self.force, &mut self.mixture, pull).force;
+        let Accelerating { force, unlike, .. } =
+            accelerating(on, layout, &self.force, &mut self.mixture, pull);
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         if let Some(obstacles) = &mut self.obstacles {
-            obstacles.measure(faces, stage, Weights::of(terms, 1.0), Viscosity::Explicit);
+            obstacles.measure(faces, stage, 1.0, Viscosity::Explicit, unlike);
             obstacles.count(advance.new_s.into(), advance.old_s.into());
         }
         let [x, y, z] = out.each_mut().map(|field| layout.planes(field));
@@ -158,7 +159,7 @@ impl Flow {
         let Self { layout, faces, ghosts, openings, velocity, stage: [out, history], .. } = self;
         let (pool, simd) = (&self.pool, &self.simd);
         let on = Engine { pool, simd: *simd, faces };
-        let Accelerating { force, pressure } =
+        let Accelerating { force, pressure, unlike } =
             accelerating(on, layout, &self.force, &mut self.mixture, Pull::of(scale));
         let stage = Stage { layout: *layout, velocity: components(velocity), force, terms };
         let (dt_s, theta) = (part.dt_s as f32, implicit_share(number));
@@ -166,7 +167,7 @@ impl Flow {
         let pressure = pressure.unwrap_or(&self.pressure.next);
         let advance = Semi { rates, pressure, dt_s, viscous };
         if let Some(obstacles) = &mut self.obstacles {
-            obstacles.measure(faces, stage, Weights::of(terms, 1.0), Viscosity::Implicit);
+            obstacles.measure(faces, stage, 1.0, Viscosity::Implicit, unlike);
             obstacles.count(rates.new_s.into(), rates.old_s.into());
             obstacles.keep(faces, velocity, 0);
         }
@@ -192,20 +193,26 @@ impl Flow {
         if let Some(weight) = self.mixture.as_ref().and_then(|mixture| mixture.weight()) {
             weight.press(on, layout, &self.pressure.next, dt_s, out);
         }
-        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick_somewhere()) {
-            thick.prepare(on, velocity, dt_s, out);
-            return thick.solve(on, ghosts, theta as f32 * dt_s, out, velocity);
-        }
-        let Some(viscous) = &mut self.viscous else { return 0 };
-        ghosts.fill(out, Fill::Difference);
-        let (s, room) = (theta * number, self.projection.room());
-        let iterations = viscous.solve(on, ghosts, room, s as f32, out, velocity);
+        let (number, iterations) =
+            match self.mixture.as_mut().and_then(|mixture| mixture.thick_somewhere()) {
+                Some(thick) => {
+                    let times_s = [dt_s, theta as f32 * dt_s];
+                    (part.dt_s, thick.advance(on, ghosts, times_s, out, velocity))
+                }
+                None => {
+                    let Some(viscous) = &mut self.viscous else { return 0 };
+                    ghosts.fill(out, Fill::Difference);
+                    let (s, room) = ((theta * number) as f32, self.projection.room());
+                    (number, viscous.solve(on, ghosts, room, s, out, velocity))
+                }
+            };
         if let Some(obstacles) = &mut self.obstacles {
             let pressure = Some((&*self.pressure.next, part.dt_s));
             let force = working(self.force.as_ref(), self.mixture.as_deref());
             let force = force.map(|force| (force, part.dt_s * f64::from(terms.force)));
+            let (s, unlike) = (theta * number, unlike_in(self.mixture.as_deref()));
             obstacles.keep(faces, velocity, 1);
-            obstacles.count_solved(layout, faces, Solved { number, s, pressure, force });
+            obstacles.count_solved(layout, faces, Solved { number, s, pressure, force, unlike });
         }
         iterations
     }
@@ -233,18 +240,24 @@ impl Flow {
         // What was traced or pushed need not stick to a side yet. A ghost on a parabola would call
         // for more than what is solved for can give, and the flow would swing beyond rest.
         ghosts.fill(velocity, Fill::Carried);
-        if let Some(thick) = self.mixture.as_mut().and_then(|mixture| mixture.thick_somewhere()) {
-            rhs.iter_mut().for_each(|rhs| rhs.fill(0.0));
-            thick.prepare(on, velocity, dt_s as f32, rhs);
-            return thick.solve(on, ghosts, (theta * dt_s) as f32, rhs, velocity);
-        }
-        let Some(viscous) = &mut self.viscous else { return 0 };
-        viscous.set_rhs(on, velocity, rhs, number as f32);
-        let (s, room) = (theta * number, self.projection.room());
-        let iterations = viscous.solve(on, ghosts, room, s as f32, rhs, velocity);
+        let (number, iterations) =
+            match self.mixture.as_mut().and_then(|mixture| mixture.thick_somewhere()) {
+                Some(thick) => {
+                    rhs.iter_mut().for_each(|rhs| rhs.fill(0.0));
+                    let times_s = [dt_s as f32, (theta * dt_s) as f32];
+                    (dt_s, thick.advance(on, ghosts, times_s, rhs, velocity))
+                }
+                None => {
+                    let Some(viscous) = &mut self.viscous else { return 0 };
+                    viscous.set_rhs(on, velocity, rhs, number as f32);
+                    let (s, room) = ((theta * number) as f32, self.projection.room());
+                    (number, viscous.solve(on, ghosts, room, s, rhs, velocity))
+                }
+            };
         if let Some(obstacles) = &mut self.obstacles {
             obstacles.keep(faces, velocity, 1);
-            let solved = Solved { number, s, pressure: None, force: None };
+            let (s, unlike) = (theta * number, unlike_in(self.mixture.as_deref()));
+            let solved = Solved { number, s, pressure: None, force: None, unlike };
             obstacles.count_solved(layout, faces, solved);
         }
         iterations
@@ -270,8 +283,8 @@ impl Flow {
             let (layout, velocity) = (*layout, components(velocity));
             let stage = Stage { layout, velocity: components(from), force, terms: terms[index] };
             if let Some(obstacles) = &mut self.obstacles {
-                let weights = Weights::of(stage.terms, STAGE_WEIGHTS[index] * part.dt_s as f32);
-                obstacles.measure(faces, stage, weights, Viscosity::Explicit);
+                let time_s = STAGE_WEIGHTS[index] * part.dt_s as f32;
+                obstacles.measure(faces, stage, time_s, Viscosity::Explicit, accelerating.unlike);
                 obstacles.count(1.0, 0.0);
             }
             let advance = RungeKutta {

@@ -7,10 +7,9 @@ use crate::solver::{
         carry::Carriage,
         engine::Engine,
         ghosts::Fill,
-        mixture::working,
+        mixture::{unlike_in, working},
         pressure::{Projected, Telling},
         schedule::{Plan, plan, plan_stress},
-        solids::Solids,
         survey::Survey,
         within,
     },
@@ -65,6 +64,7 @@ impl Flow {
     /// See [`crate::solver::Solver::step`].
     pub(super) fn advance(&mut self, dt_s: f64) -> Result<StepReport, Refused> {
         check_step(dt_s)?;
+        self.set_friction();
         self.dress(dt_s);
         self.open_coupling();
         if self.survey.is_none() {
@@ -76,6 +76,7 @@ impl Flow {
             if let Some(obstacles) = &mut self.obstacles {
                 obstacles.close(0.0);
             }
+            self.lift_obstacles();
             return Ok(self.report_of_rest(before));
         }
         if let Some(obstacles) = &mut self.obstacles {
@@ -108,10 +109,20 @@ impl Flow {
         let cell_kg = self.cell_mass_kg();
         let Some(obstacles) = &mut self.obstacles else { return 0.0 };
         obstacles.close(cell_kg / dt_s);
-        let displaced = self.faces.solids().map_or(0.0, Solids::displaced_m_s);
+        let density = unlike_in(self.mixture.as_deref()).density;
+        let displaced = self.faces.solids().map_or(0.0, |solids| solids.displaced_m_s(density));
         let carried_m3_s3 = 0.5 * obstacles.speed_m_s().powi(2) * displaced;
         let work_m2_s2 = obstacles.work_j(cell_kg, dt_s).max(0.0) / cell_kg;
+        self.lift_obstacles();
         (1.0 + STIR_SLACK) * work_m2_s2 + carried_m3_s3 * dt_s / f64::from(self.grid.spacing_m)
+    }
+
+    /// Completes the forces on obstacles by the pressure that no step needs to know of.
+    fn lift_obstacles(&mut self) {
+        let weight_n = self.cell_mass_kg() * self.gravity_m_s2;
+        if let (Some(obstacles), Some(mixture)) = (&mut self.obstacles, &self.mixture) {
+            obstacles.lift(&self.layout, &self.faces, mixture, weight_n);
+        }
     }
 
     /// How fast liquid gives way to obstacles, or round a body that drags it, is known only once it

@@ -73,6 +73,11 @@ impl Stress {
         }
     }
 
+    /// The drag of walls that cut a face.
+    pub fn drag(&self, c: usize, at: usize) -> f32 {
+        self.cut.as_ref().map_or(0.0, |weights| weights.drag[c][at])
+    }
+
     /// The largest sum of magnitudes in a row of V, over its inertia (Gershgorin 1931).
     fn stiffest(&self, on: Engine<'_>) -> f64 {
         let layout = &self.layout;

@@ -63,18 +63,19 @@ impl Thick {
             #[inline(always)]
             |rate, inertia, friction| rate - friction / inertia,
         );
+        let stress = &self.stress;
+        visit_pulled(on, |c, at, wall_m_s| {
+            if stress.inertia[c][at] > 0.0 {
+                rates[c][at] += stress.drag(c, at) * wall_m_s / stress.inertia[c][at];
+            }
+        });
     }
 
-    /// Makes of a change of velocity, if any, the right side that adds to it what friction takes in
-    /// `dt_s`.
-    pub fn prepare(&mut self, on: Engine<'_>, velocity: &Vector, dt_s: f32, rhs: &mut Vector) {
-        self.stress.apply(on, components(velocity), &mut self.product, [0.0, 1.0]);
-        self.mix(
-            on,
-            rhs,
-            #[inline(always)]
-            |change, inertia, friction| inertia * change - dt_s * friction,
-        );
+    /// Friction of a face in the velocity that was asked for last, and the drag of resting walls in
+    /// it; none where nothing moves by itself.
+    pub fn friction(&self, c: usize, at: usize) -> [f32; 2] {
+        let is_moved = self.stress.inertia[c][at] > 0.0;
+        if is_moved { [self.product[c][at], self.stress.drag(c, at)] } else { [0.0; 2] }
     }
 
     /// out = mixed(out, inertia, product) where anything moves, 0 elsewhere.
@@ -102,9 +103,119 @@ impl Thick {
         });
     }
 
+    /// Adds to `velocity` a change, which is used up, and what friction takes in `dt_s`, of which s
+    /// acts on the outcome; fills its ghosts. Returns the number of iterations.
+    pub fn advance(
+        &mut self,
+        on: Engine<'_>,
+        ghosts: &Ghosts,
+        [dt_s, s]: [f32; 2],
+        change: &mut Vector,
+        velocity: &mut Vector,
+    ) -> u32 {
+        let has_solids = on.faces.solids().is_some();
+        if has_solids {
+            // What a face on an open side has of its own would push what follows within without end.
+            openings::extend(&self.layout, on.faces, velocity);
+        }
+        self.stress.apply(on, components(velocity), &mut self.product, [0.0, 1.0]);
+        if has_solids && self.is_rest_nearer(on, ghosts, [dt_s, s], change, velocity) {
+            self.start_from_rest([dt_s, s], change, velocity);
+            openings::extend(&self.layout, on.faces, velocity);
+        } else {
+            self.mix(
+                on,
+                change,
+                #[inline(always)]
+                |change, inertia, friction| inertia * change - dt_s * friction,
+            );
+        }
+        let stress = &self.stress;
+        visit_pulled(on, |c, at, wall_m_s| {
+            if stress.inertia[c][at] > 0.0 {
+                change[c][at] += dt_s * stress.drag(c, at) * wall_m_s;
+            }
+        });
+        self.solve(on, ghosts, s, change, velocity)
+    }
+
+    /// True if rest is a better guess of the outcome than the velocity: of what gradients make smaller
+    /// in every iteration,
+    /// ```text
+    /// J = v (M + s V) v / 2 - v . b,     0 at rest, -(u (M + s V) u / 2 + u . rhs) at u
+    /// ```
+    /// Below 0 it bounds the energy of v: a solution that is not at its end when the iterations are
+    /// has at worst lost too much. Liquid into which an obstacle comes has a velocity of which
+    /// friction leaves next to nothing, and of which the change has no bound. Leaves V u, without
+    /// what sides do, in `inverse`.
+    fn is_rest_nearer(
+        &mut self,
+        on: Engine<'_>,
+        ghosts: &Ghosts,
+        [dt_s, s]: [f32; 2],
+        change: &Vector,
+        velocity: &Vector,
+    ) -> bool {
+        let Self { stress, layout, direction, product, inverse } = self;
+        for c in 0..3 {
+            let pairs = velocity[c].iter().zip(stress.inertia[c].iter());
+            let moved = |(u, inertia): (&f32, &f32)| if *inertia > 0.0 { *u } else { 0.0 };
+            direction[c].iter_mut().zip(pairs).for_each(|(out, pair)| *out = moved(pair));
+        }
+        openings::extend(layout, on.faces, direction);
+        ghosts.fill(direction, Fill::Difference);
+        let rubbed = f64::from(s) * stress.apply(on, components(direction), inverse, [0.0, 1.0]);
+        let sums = on.pool.sum(layout.cells[2], |k| {
+            on.run(
+                layout,
+                k,
+                #[inline(always)]
+                |Run { at, len, .. }, [sum, lost]| {
+                    for c in 0..3 {
+                        let [u, change] = [&velocity[c], &change[c]].map(|v| cut(v, at, len));
+                        let inertia = cut(&stress.inertia[c], at, len);
+                        sum.add_weighted(inertia, u, u);
+                        sum.add_weighted(inertia, u, change);
+                        sum.add_weighted(inertia, u, change);
+                        lost.add_product(u, cut(&product[c], at, len));
+                    }
+                },
+            )
+            .iter()
+            .zip([0.5, -f64::from(dt_s)])
+            .map(|(sum, weight)| sum * weight)
+            .sum()
+        });
+        let mut pulled = 0.0;
+        visit_pulled(on, |c, at, wall_m_s| {
+            pulled += f64::from(dt_s * stress.drag(c, at) * wall_m_s * velocity[c][at]);
+        });
+        0.5 * rubbed + sums + pulled < 0.0
+    }
+
+    /// Makes of a change the right side for the velocity itself, which is at rest then.
+    fn start_from_rest(&self, [dt_s, s]: [f32; 2], change: &mut Vector, velocity: &mut Vector) {
+        let (stress, within) = (&self.stress, &self.inverse);
+        for c in 0..3 {
+            let rhs = change[c].iter_mut().zip(velocity[c].iter_mut());
+            let friction = self.product[c].iter().zip(within[c].iter());
+            for ((rhs, u), ((all, within), inertia)) in
+                rhs.zip(friction.zip(stress.inertia[c].iter()))
+            {
+                if *inertia > 0.0 {
+                    // What is implicit of friction cancels exactly, or rounding were all that is left.
+                    *rhs = inertia * (*rhs + *u) - (dt_s - s) * within - dt_s * (all - within);
+                    *u = 0.0;
+                } else {
+                    *rhs = 0.0;
+                }
+            }
+        }
+    }
+
     /// Adds the solution for this right side to `velocity`, and fills its ghosts; the right side is
     /// used up. Returns the number of iterations.
-    pub fn solve(
+    fn solve(
         &mut self,
         on: Engine<'_>,
         ghosts: &Ghosts,
@@ -188,5 +299,12 @@ impl Thick {
                 },
             )[0]
         })
+    }
+}
+
+/// Calls `visit(component, index, velocity)` for all faces that moving walls pull.
+fn visit_pulled(on: Engine<'_>, visit: impl FnMut(usize, usize, f32)) {
+    if let Some(solids) = on.faces.solids() {
+        solids.visit_beside(visit);
     }
 }

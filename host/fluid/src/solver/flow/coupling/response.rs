@@ -11,6 +11,7 @@ use crate::solver::{
         exchange::Kernel,
         field::{Layout, Vector, components, cut, cut_mut},
         ghosts::Fill,
+        mixture::unlike_in,
         pressure::{REST_M_S, Telling, masses},
         step::Part,
     },
@@ -54,7 +55,6 @@ impl Flow {
             response.iter_mut().for_each(|u| u.fill(0.0));
             moved = DVec3::ZERO;
         } else if number > 0.0 {
-            *friction = number;
             pressure.copy_from_slice(projection.found());
             std::mem::swap(response, rhs);
             ghosts.fill(rhs, Fill::Difference);
@@ -63,18 +63,16 @@ impl Flow {
                 obstacles.keep(faces, rhs, 0);
             }
             let mixture = mixture.as_mut();
-            report.viscous_iterations +=
-                match (mixture.and_then(|mixture| mixture.thick_somewhere()), viscous) {
-                    (Some(thick), _) => {
-                        thick.prepare(on, response, 0.0, rhs);
-                        thick.solve(on, ghosts, thick_s as f32, rhs, response)
-                    }
-                    (None, Some(viscous)) => {
-                        let (s, room) = (*friction as f32, projection.room());
-                        viscous.solve(on, ghosts, room, s, rhs, response)
-                    }
-                    (None, None) => 0,
-                };
+            let thick = mixture.and_then(|mixture| mixture.thick_somewhere());
+            *friction = if thick.is_some() { thick_s } else { number };
+            report.viscous_iterations += match (thick, viscous) {
+                (Some(thick), _) => thick.advance(on, ghosts, [0.0, thick_s as f32], rhs, response),
+                (None, Some(viscous)) => {
+                    let (s, room) = (*friction as f32, projection.room());
+                    viscous.solve(on, ghosts, room, s, rhs, response)
+                }
+                (None, None) => 0,
+            };
             ghosts.fill(response, Fill::Difference);
             if let Some(obstacles) = &mut self.obstacles {
                 obstacles.keep(faces, response, 1);
@@ -111,7 +109,8 @@ impl Flow {
             obstacles.press(layout, faces, projection.found(), share);
             if friction > 0.0 {
                 obstacles.press(layout, faces, &coupling.pressure, share);
-                obstacles.count_response(layout, faces, friction, share);
+                let unlike = unlike_in(self.mixture.as_deref());
+                obstacles.count_response(layout, faces, friction, share, unlike);
             }
         }
         // The push comes without its own divergence. What friction at walls makes of it anew is like
