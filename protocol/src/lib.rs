@@ -6,8 +6,10 @@
 //!
 //! | kind | way | body | what it is |
 //! |---|---|---|---|
-//! | `0x01` [`Kind::Down`] | host to device | postcard [`Down`] | a command, or the head of a field |
-//! | `0x02` [`Kind::FieldSlab`] | host to device | raw [`field::SlabHead`] + at most 512 B | a slice of a field's samples |
+//! | `0x01` [`Kind::Down`] | host to device | postcard [`Down`] | a command, or the head of a field
+//! |
+//! | `0x02` [`Kind::FieldSlab`] | host to device | raw [`field::SlabHead`] + at most 512 B | a
+//! slice of a field's samples |
 //! | `0x81` [`Kind::Up`] | device to host | postcard [`Up`] | an answer |
 //! | `0x82` [`Kind::States`] | device to host | postcard [`state::States`] | four ticks |
 //!

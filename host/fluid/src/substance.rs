@@ -88,7 +88,8 @@ pub struct Substances {
     spare: Field,
     /// What passes the faces, where walls cut through them.
     fluxes: Option<Vector>,
-    /// Differs from that of any other state of any substances, so that no mixture is computed twice.
+    /// Differs from that of any other state of any substances, so that no mixture is computed
+    /// twice.
     stamp: u64,
     /// Whether the next part sweeps in reverse.
     reverse: bool,

@@ -111,7 +111,8 @@ fn vents_are_over_the_liquid_and_ride_on_it() {
 }
 
 /// A ball of fluid that is a little lighter begins to rise by 2/3 of what its lightness alone would
-/// accelerate it by: the fluid around it has to come down (as that of a ball's added mass, Lamb 1932).
+/// accelerate it by: the fluid around it has to come down (as that of a ball's added mass, Lamb
+/// 1932).
 #[test]
 fn a_warm_ball_begins_to_rise_as_lamb_says() {
     use cauldron_fluid::solver::{Setup, Side, Sides, flow::Flow};

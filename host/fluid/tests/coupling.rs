@@ -50,7 +50,8 @@ fn bits(flow: &Flow) -> Vec<u64> {
     bits
 }
 
-/// The share of the spoon's velocity that liquid has after each of these steps, and all that it got.
+/// The share of the spoon's velocity that liquid has after each of these steps, and all that it
+/// got.
 fn stirred(setup: &Setup, ratio: f64, steps: usize, cut: usize) -> (Vec<f64>, f64) {
     let mut flow = Flow::new(setup).expect("a flow");
     let drag = spoon(&flow, setup.grid.cells[0], ratio);

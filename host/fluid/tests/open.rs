@@ -87,8 +87,8 @@ fn a_stream_through_an_open_tube_loses_what_it_takes_along() {
     }
 }
 
-/// A vortex in a stream of 1 m/s, up to `swirl_m_s` faster or slower, in a channel of that length in
-/// metres, `n` cells to each.
+/// A vortex in a stream of 1 m/s, up to `swirl_m_s` faster or slower, in a channel of that length
+/// in metres, `n` cells to each.
 fn vortex_in_a_stream(n: usize, length: usize, swirl_m_s: f64) -> Flow {
     let through = [Side::Inflow(Vec3::X), Side::Outflow];
     let sides = Sides::all(Side::FreeSlip).with(0, through);

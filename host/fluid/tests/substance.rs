@@ -187,8 +187,9 @@ fn without_substances_or_motion_nothing_is_carried() {
 
 /// The case `blob` of FLUIDS.md: half a wave of cosine around a point a quarter from the axis,
 /// (1 + cos(pi r / .15)) / 2 within r = .15, once around in the rigid rotation u = (-w y, w x, 0)
-/// about the middle of the unit cube. (The corners, where that flow meets the walls, are not reached.)
-/// A third-order finite volume with the limiter of Koren is off by .119 of its norm at n = 64.
+/// about the middle of the unit cube. (The corners, where that flow meets the walls, are not
+/// reached.) A third-order finite volume with the limiter of Koren is off by .119 of its norm at n
+/// = 64.
 fn turn_of_a_blob(n: usize, steps: usize) -> (f64, f64, [f32; 2]) {
     let setup = Setup::new(Grid { cells: [n, n, n / 2], ..Grid::unit_cube(n) }, Vessel::Box);
     let mut flow = Flow::new(&setup).expect("a flow");

@@ -1,5 +1,5 @@
-//! Draws a contact sheet and plots of made-up data, as PNG and SVG, into a folder (the first argument, else
-//! `out/gallery`).
+//! Draws a contact sheet and plots of made-up data, as PNG and SVG, into a folder (the first
+//! argument, else `out/gallery`).
 
 use std::{f64::consts::TAU, path::PathBuf};
 

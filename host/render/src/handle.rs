@@ -32,8 +32,8 @@ const SLANT: Vec3 = Vec3::new(0.44, 0.88, -0.17);
 const MOST_LEAN: f32 = 4.0;
 
 /// Linear colour of a handle under `force_fraction` of the largest force: pale green when light,
-/// yellow at 0.3, pink red from 0.7 on. Paler than any substance, so that neither people nor programs
-/// take it for one.
+/// yellow at 0.3, pink red from 0.7 on. Paler than any substance, so that neither people nor
+/// programs take it for one.
 #[must_use]
 pub fn force_colour(force_fraction: f32) -> Vec3 {
     const LIGHT: Vec3 = Vec3::new(0.14, 1.0, 0.60);

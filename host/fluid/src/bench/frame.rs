@@ -45,8 +45,8 @@ const VISCOSITY_M2_S: f64 = 1e-3;
 const CFL: f64 = 0.5;
 const STEPS: usize = 24;
 
-/// Runs the box and the bowl of like liquids, and the box of one that a substance makes thicker from
-/// place to place, and of one that it makes denser.
+/// Runs the box and the bowl of like liquids, and the box of one that a substance makes thicker
+/// from place to place, and of one that it makes denser.
 pub fn run(session: &mut Session<'_>) -> Result<(), SetupError> {
     let sizes: &[usize] = if session.options.is_quick { &[64] } else { &[64, 128] };
     let options = Options { pool: Arc::new(Pool::new(2, true)), ..session.options.clone() };

@@ -1,5 +1,6 @@
 //! The drag on a fixed obstacle: a ball in a periodic box, that is a cubic array of balls, in a
-//! slow stream (Re = 2 a U / nu of some 0.05), against the series of Hasimoto (J. Fluid Mech. 5, 1959):
+//! slow stream (Re = 2 a U / nu of some 0.05), against the series of Hasimoto (J. Fluid Mech. 5,
+//! 1959):
 //! ```text
 //! F = 6 pi mu a U / (1 - 1.7601 c^(1/3) + c - 1.5593 c^2),   c = 4 pi a^3 / (3 L^3)
 //! ```

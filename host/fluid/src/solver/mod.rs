@@ -77,8 +77,8 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Inviscid water without gravity between walls that it slides along, on the calling thread alone, at the
-    /// processor's vector width.
+    /// Inviscid water without gravity between walls that it slides along, on the calling thread
+    /// alone, at the processor's vector width.
     #[must_use]
     pub fn new(grid: Grid, vessel: Vessel) -> Self {
         Self {

@@ -146,7 +146,8 @@ fn take_excess(on: Engine<'_>, layout: &Layout, substance: &mut Substance, sum: 
 /// What `cells` hold.
 pub fn content(on: Engine<'_>, layout: &Layout, cells: &Cells) -> f64 {
     on.pool.sum(layout.cells[2], |k| {
-        // Two kinds of sums: one that is added to by values and by blocks would wait at each change.
+        // Two kinds of sums: one that is added to by values and by blocks would wait at each
+        // change.
         let (mut lanes, mut rests) = ([0f64; BLOCK], 0.0);
         on.simd.vectorize(
             #[inline(always)]

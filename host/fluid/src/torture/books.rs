@@ -21,8 +21,8 @@ pub const FRACTION_SLACK: f64 = 1e-5;
 /// No velocity may be above this: what the crate says it never keeps, and its rounding.
 pub const SPEED_CAP_M_S: f64 = 1e4 * (1.0 + 1e-6);
 
-/// Mean speed of all liquid that an obstacle may bring about in a step, over its own: more than 1, as
-/// it squeezes out what is between it and a wall.
+/// Mean speed of all liquid that an obstacle may bring about in a step, over its own: more than 1,
+/// as it squeezes out what is between it and a wall.
 const WALL_SPEEDS: f64 = 4.0;
 
 /// A grid of at most this many cells is inspected value by value at every step ...

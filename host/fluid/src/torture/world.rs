@@ -164,8 +164,8 @@ impl<'a> World<'a> {
         densest * f64::from(self.case.grid.cell_volume_m3())
     }
 
-    /// Half of all mass there may be, times gravity squared: what it gives from rest in 1 s. 0 where
-    /// nothing is denser or lighter than the liquid.
+    /// Half of all mass there may be, times gravity squared: what it gives from rest in 1 s. 0
+    /// where nothing is denser or lighter than the liquid.
     pub fn gravity_j_s2(&self) -> f64 {
         let liquid = self.case.density_kg_m3;
         if self.case.substances.iter().all(|s| s.properties.density_kg_m3 == liquid) {

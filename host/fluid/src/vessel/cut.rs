@@ -84,9 +84,9 @@ impl Cut {
     /// that depths and their curvature are known at all faces beside the cut ones, there is as
     /// much room as `distance_m` (of a point in world metres to the nearest obstacle, positive
     /// outside of it) and the vessel leave, whatever stood there before; where it is not a
-    /// number, the vessel's. An obstacle that moves needs the boxes of where it was and where it is (see
-    /// [`Cut::cells_about`]). The cost is that of these cells; nothing is allocated. Cells beyond
-    /// the grid are left out.
+    /// number, the vessel's. An obstacle that moves needs the boxes of where it was and where it is
+    /// (see [`Cut::cells_about`]). The cost is that of these cells; nothing is allocated. Cells
+    /// beyond the grid are left out.
     pub fn obstruct(&mut self, cells: &CellBox, distance_m: impl Fn(Vec3) -> f32) {
         let (origin, spacing_m) = (self.grid.origin_in_world_m, self.grid.spacing_m);
         let cells = grown(cells, 0, self.grid.cells);

@@ -7,13 +7,13 @@
 //! J = c dt (v - g),   g = g_free + R J,   so that   (1/(c dt) + R) J = v - g_free
 //! R = W' Z,           Z = P (M + s V)^-1 P' W
 //! ```
-//! g being the gathered velocity, W the weights of the kernel, P the projection, and (M + s V)^-1 the
-//! implicit friction of the part, if that has any: what liquid at rest does with a unit push. As
-//! the part is linear in a push, its result changes by Z J: a change of its matrix by one row and
-//! column for each component (Sherman, Morrison 1950; Woodbury 1950). R is symmetric and positive,
-//! so g is between g_free and v, whatever c and dt. Conjugate gradients (Hestenes, Stiefel 1952)
-//! find the three components of J: one response Z suffices where all directions are alike, three
-//! always do.
+//! g being the gathered velocity, W the weights of the kernel, P the projection, and (M + s V)^-1
+//! the implicit friction of the part, if that has any: what liquid at rest does with a unit push.
+//! As the part is linear in a push, its result changes by Z J: a change of its matrix by one row
+//! and column for each component (Sherman, Morrison 1950; Woodbury 1950). R is symmetric and
+//! positive, so g is between g_free and v, whatever c and dt. Conjugate gradients (Hestenes,
+//! Stiefel 1952) find the three components of J: one response Z suffices where all directions are
+//! alike, three always do.
 
 mod response;
 
@@ -42,8 +42,8 @@ const RESPONSE_M_S: f64 = 1e3;
 /// ... also where friction takes most of it; this much at most, or squares leave f32.
 const MOST_FRICTION: f64 = 1e9;
 
-/// A body of linear drag that moves as it is told to: the liquid gets c (v - u), u being its velocity
-/// around the body as [`Flow::gather`] has it.
+/// A body of linear drag that moves as it is told to: the liquid gets c (v - u), u being its
+/// velocity around the body as [`Flow::gather`] has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drag {
     /// Where the body is during the next steps.
@@ -64,8 +64,8 @@ pub(super) struct Coupling {
     work_m2_s2: f64,
     /// What the liquid does with a push.
     response: Vector,
-    /// The part of nu dt / h^2 that acted on it, or of dt where friction differs from place to place;
-    /// 0 if none did.
+    /// The part of nu dt / h^2 that acted on it, or of dt where friction differs from place to
+    /// place; 0 if none did.
     friction: f64,
     /// The pressure that took the divergence out of the push before that, times the step.
     pressure: Field,
@@ -114,10 +114,10 @@ impl Flow {
     /// beyond the body's velocity. Where the body is and how it moves may change before each step;
     /// room is made with the first drag, and given back with `None`.
     ///
-    /// Each part of a step then takes one to three responses of the liquid to a push: a solution for
-    /// the pressure each, and where friction is implicit one for that and another for the pressure.
-    /// To the first order in the step it is what pushes of c dt (v - u) do. A body that moves keeps
-    /// the liquid awake.
+    /// Each part of a step then takes one to three responses of the liquid to a push: a solution
+    /// for the pressure each, and where friction is implicit one for that and another for the
+    /// pressure. To the first order in the step it is what pushes of c dt (v - u) do. A body that
+    /// moves keeps the liquid awake.
     ///
     /// # Errors
     /// [`Refused`] if a value is not finite or out of range, see [`Drag`]; nothing is changed.
@@ -195,8 +195,8 @@ impl Flow {
         self.coupling.as_ref().map_or(0.0, |coupling| coupling.work_m2_s2)
     }
 
-    /// Adds to a part that is otherwise done what the drag does in it. Returns what is then known of
-    /// the velocity.
+    /// Adds to a part that is otherwise done what the drag does in it. Returns what is then known
+    /// of the velocity.
     pub(super) fn drag_along(
         &mut self,
         part: Part,
@@ -235,8 +235,8 @@ impl Flow {
             return false;
         }
         let number = self.diffusion_number(part.dt_s);
-        // Stages see half of what they take meanwhile, so that a steady drag leaves a steady flow; a
-        // multistep part takes it from the next.
+        // Stages see half of what they take meanwhile, so that a steady drag leaves a steady flow;
+        // a multistep part takes it from the next.
         let theta = match scheme {
             Scheme::MultistepImplicit | Scheme::Traced => implicit_share(number),
             Scheme::Central => 0.5,

@@ -3,7 +3,8 @@
 //! ```text
 //! rho_f du/dt = -grad p + ...,   div (1/rho_f) grad p = div u* / dt
 //! ```
-//! rho_f being the mean of the cells on both sides of a face. Pressures are per density of the flow.
+//! rho_f being the mean of the cells on both sides of a face. Pressures are per density of the
+//! flow.
 
 use crate::solver::flow::{
     engine::Engine,

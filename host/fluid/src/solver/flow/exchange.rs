@@ -38,8 +38,8 @@ pub struct Kernel<'a> {
 }
 
 impl<'a> Kernel<'a> {
-    /// The kernel of a body of `radius` cells at `centre`, among faces of these masses, or all whole
-    /// and alike.
+    /// The kernel of a body of `radius` cells at `centre`, among faces of these masses, or all
+    /// whole and alike.
     pub fn new(
         layout: &'a Layout,
         faces: &'a Faces,

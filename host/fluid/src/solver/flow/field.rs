@@ -236,8 +236,8 @@ impl<'a> Star<'a> {
         (x.0[i] + x.1[i]) + (y.0[i] + y.1[i]) + (z.0[i] + z.1[i])
     }
 
-    /// The same in whole blocks. A loop over values is made wide by the optimiser, with tests of what
-    /// overlaps and a rest to do one by one: for a row of planes this short, half of the time.
+    /// The same in whole blocks. A loop over values is made wide by the optimiser, with tests of
+    /// what overlaps and a rest to do one by one: for a row of planes this short, half of the time.
     #[inline(always)]
     pub fn blocks(self) -> Star<'a, Block> {
         let all = |values: &'a [f32]| values.as_chunks().0;

@@ -4,8 +4,8 @@
 //! ```text
 //! du/dt = ... + g (rho - rho_level) / rho_0
 //! ```
-//! Larger ones weigh in the pressure, too (see [`super::density`]). Where viscosities differ, or large
-//! differences of density make them, friction is that of stresses (see [`super::stress`]).
+//! Larger ones weigh in the pressure, too (see [`super::density`]). Where viscosities differ, or
+//! large differences of density make them, friction is that of stresses (see [`super::stress`]).
 
 use glam::{DVec3, Vec3};
 
@@ -89,15 +89,16 @@ impl Flow {
         }
     }
 
-    /// Says what the liquid is made of, from the next step on: `medium` is sampled at the centres of
-    /// the cells. Where densities differ by at most a tenth from [`crate::solver::Setup`]'s they
-    /// act through its gravity alone (Boussinesq 1903); beyond, they weigh in the pressure, too, and
-    /// what is lighter than a thousandth of the densest counts as that. Viscosities that differ
+    /// Says what the liquid is made of, from the next step on: `medium` is sampled at the centres
+    /// of the cells. Where densities differ by at most a tenth from [`crate::solver::Setup`]'s they
+    /// act through its gravity alone (Boussinesq 1903); beyond, they weigh in the pressure, too,
+    /// and what is lighter than a thousandth of the densest counts as that. Viscosities that differ
     /// are solved for as stresses. Obstacles feel what is around them: what they cover is kept, and
     /// is liquid again where they leave it. A medium that is the same everywhere costs nothing.
     ///
-    /// Beyond open sides there is the liquid of the setup, at rest: what is lighter rises in it. Where
-    /// densities weigh in the pressure, the lightest at each level is taken to be there instead.
+    /// Beyond open sides there is the liquid of the setup, at rest: what is lighter rises in it.
+    /// Where densities weigh in the pressure, the lightest at each level is taken to be there
+    /// instead.
     ///
     /// ```
     /// use cauldron_fluid::{Grid, Vessel, solver::{Setup, Solver, flow::{Flow, Medium}}};
@@ -174,8 +175,8 @@ impl Flow {
 
     /// Says that the liquid is made of what is dissolved in it: call it before each step that
     /// follows one of the substances. Densities mix by volume, dynamic viscosities as
-    /// [`crate::substance::mixture`] says. As long as all substances are like the liquid, or on another
-    /// grid, and as long as nothing has moved them, nothing is changed or computed.
+    /// [`crate::substance::mixture`] says. As long as all substances are like the liquid, or on
+    /// another grid, and as long as nothing has moved them, nothing is changed or computed.
     ///
     /// Where a difference of densities is carried along, so is the energy of what moves: what an
     /// exchange of heavy for light liquid adds to it counts as made from nothing, until the next
@@ -319,8 +320,9 @@ impl Flow {
         self.refit_mixture();
     }
 
-    /// Lets gravity act on what a mixture is made of. Beyond sides that are open there is pure liquid:
-    /// what is lighter rises in it. Where densities weigh in the pressure, the lightest floats.
+    /// Lets gravity act on what a mixture is made of. Beyond sides that are open there is pure
+    /// liquid: what is lighter rises in it. Where densities weigh in the pressure, the lightest
+    /// floats.
     fn set_buoyancy(&self, mixture: &mut Mixture) {
         let beyond = (self.ghosts.is_any_free() && !mixture.is_weighty)
             .then_some((self.pure.density_kg_m3 / self.density_kg_m3) as f32);

@@ -126,7 +126,8 @@ impl Mixture {
         }
     }
 
-    /// Density of what floats at the level of a face, per that of the flow; `None` where nothing does.
+    /// Density of what floats at the level of a face, per that of the flow; `None` where nothing
+    /// does.
     pub fn floating(&self, c: usize, level: usize) -> Option<f32> {
         self.floating[c].get(level).copied().filter(|density| density.is_finite())
     }
@@ -149,8 +150,8 @@ impl Mixture {
 
     /// Sets what gravity does to it.
     ///
-    /// Where it weighs, by what is denser of the liquid and what floats in it, so that nothing falls
-    /// or rises faster than freely.
+    /// Where it weighs, by what is denser of the liquid and what floats in it, so that nothing
+    /// falls or rises faster than freely.
     /// What is as dense as `beyond` floats, or, where that is not said, the lightest of each level
     /// does: in a closed box the pressure makes up for either, and this one leaves layers at rest.
     pub fn set_buoyancy(

@@ -226,8 +226,8 @@ impl RungeKuttaRun<'_, '_> {
 }
 
 impl Stage<'_> {
-    /// Calls `advance(b, rate)` for the rates of component `C` at `len` faces from index `at`, block
-    /// by block.
+    /// Calls `advance(b, rate)` for the rates of component `C` at `len` faces from index `at`,
+    /// block by block.
     #[inline(always)]
     fn rates<const C: usize>(
         &self,

@@ -17,8 +17,8 @@
 //! back: it is the term that stabilises backflow (Bazilevs, Gohean, Hughes, Moser, Zhang 2009;
 //! Bertoglio, Caiazzo 2014).
 //!
-//! Where viscosity differs from place to place and is implicit, a face on an open side moves with the
-//! next one within instead.
+//! Where viscosity differs from place to place and is implicit, a face on an open side moves with
+//! the next one within instead.
 
 use crate::solver::flow::{
     faces::Faces,
@@ -112,8 +112,8 @@ impl Openings {
         }
     }
 
-    /// Completes a multistep part whose viscosity is implicit: `out` is what it changes, and faces on
-    /// open sides follow those within if nothing solves for them.
+    /// Completes a multistep part whose viscosity is implicit: `out` is what it changes, and faces
+    /// on open sides follow those within if nothing solves for them.
     pub fn relax(
         &mut self,
         beside: Beside<'_>,
@@ -245,7 +245,8 @@ pub fn apply_on_sides(
     sum
 }
 
-/// Multiplies by the inertia of faces on upper open sides, or divides by it: no list of walls has them.
+/// Multiplies by the inertia of faces on upper open sides, or divides by it: no list of walls has
+/// them.
 pub fn weigh_above(layout: &Layout, faces: &Faces, vector: &mut Vector, divides: bool) {
     each_on_sides(layout, faces, |side| {
         if side.end == 1 {
@@ -288,8 +289,8 @@ impl Beside<'_> {
     }
 
     /// Calls `visit(c, index, more)` with what the rates of faces within have to be more by, as
-    /// liquid that comes in beside them is from rest. If faces on the side follow those within, that
-    /// goes for these, too.
+    /// liquid that comes in beside them is from rest. If faces on the side follow those within,
+    /// that goes for these, too.
     fn calm(
         &self,
         axis: usize,
@@ -323,8 +324,8 @@ impl Beside<'_> {
     }
 }
 
-/// Gives faces on upper open sides what those before them have, where kernels end before them; those
-/// that walls shut have nothing.
+/// Gives faces on upper open sides what those before them have, where kernels end before them;
+/// those that walls shut have nothing.
 pub fn extend_above(layout: &Layout, faces: &Faces, vector: &mut Vector) {
     for (c, _) in open_sides(faces).filter(|(_, end)| *end == 1) {
         each_place(layout, c, 1, |Place { at, cell, .. }| {

@@ -133,8 +133,8 @@ impl Projection {
         Projected { iterations, survey }
     }
 
-    /// Where walls alone bound a box, each plane is corrected by what has just been transformed back,
-    /// which is stored nowhere.
+    /// Where walls alone bound a box, each plane is corrected by what has just been transformed
+    /// back, which is stored nowhere.
     fn project_in_passing(
         &mut self,
         on: Engine<'_>,

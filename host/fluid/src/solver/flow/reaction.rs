@@ -8,8 +8,8 @@
 //! open faces, in the second the neighbours' exchange of momentum adds up to nothing over all
 //! faces. It holds friction, and also what the inertia of faces beside a wall
 //! (see [`super::walls`]), which is more than their liquid's, takes of their momentum.
-//! Amounts are in units of velocity times the mass of a cell, full of liquid of the density that the
-//! flow counts by; where densities weigh, du is by that of the face.
+//! Amounts are in units of velocity times the mass of a cell, full of liquid of the density that
+//! the flow counts by; where densities weigh, du is by that of the face.
 
 use glam::{DVec3, Vec3};
 
@@ -74,8 +74,8 @@ pub enum Viscosity {
 /// What came of an implicit part, beside a face.
 #[derive(Clone, Copy)]
 pub struct Solved<'a> {
-    /// nu dt / h^2, and the part of it that acted on the change; where friction differs from place to
-    /// place, what is left of them without nu / h^2.
+    /// nu dt / h^2, and the part of it that acted on the change; where friction differs from place
+    /// to place, what is left of them without nu / h^2.
     pub number: f64,
     pub s: f64,
     /// What pushed: the pressure per density and spacing, and the force, both times these.
@@ -253,8 +253,8 @@ impl Obstacles {
     }
 
     /// What bodies did to the liquid in the last step, whose sums are of this mass: by the force on
-    /// them, or, if that is more, by what pressure met in all that they displaced. The first knows of
-    /// friction, the second also of what liquid that is shut in gave up.
+    /// them, or, if that is more, by what pressure met in all that they displaced. The first knows
+    /// of friction, the second also of what liquid that is shut in gave up.
     pub fn work_j(&mut self, mass_kg: f64, dt_s: f64) -> f64 {
         let power_w = |body: &Body| {
             let (Motion { velocity_m_s, angular_velocity_rad_s, .. }, mean) =

@@ -9,7 +9,8 @@
 //! The first of the two is that nothing passes a wall that moves: the liquid beside it takes its
 //! momentum along (a wall that has not come as far as its velocity says does so in part: liquid
 //! that it never reaches would gain without end); the second is friction towards the solid's
-//! velocity (W as in [`super::walls`]). A face that is covered wholly has the velocity of the solid.
+//! velocity (W as in [`super::walls`]). A face that is covered wholly has the velocity of the
+//! solid.
 
 pub mod balance;
 
@@ -218,7 +219,8 @@ impl Solids {
         }
     }
 
-    /// Calls `visit(component, index, wall's velocity)` for the faces of liquid beside moving walls.
+    /// Calls `visit(component, index, wall's velocity)` for the faces of liquid beside moving
+    /// walls.
     pub fn visit_beside(&self, mut visit: impl FnMut(usize, usize, f32)) {
         for (c, planes) in self.beside.iter().enumerate() {
             planes.iter().flatten().for_each(|face| visit(c, face.at as usize, face.wall_m_s));

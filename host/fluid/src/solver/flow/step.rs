@@ -244,9 +244,9 @@ impl Flow {
     }
 
     /// Energy may not exceed what it was plus what forces, obstacles and a drag did (the last two:
-    /// `given_m2_s2`), nor speed what f32 can square. What it does exceed it by is added up until it is worth an action.
-    /// Through openings none comes in: beyond them all is at rest. What moving sides give is not
-    /// known here: there only the speed is bounded.
+    /// `given_m2_s2`), nor speed what f32 can square. What it does exceed it by is added up until
+    /// it is worth an action. Through openings none comes in: beyond them all is at rest. What
+    /// moving sides give is not known here: there only the speed is bounded.
     fn guard(
         &mut self,
         [before, after]: [Survey; 2],
@@ -304,8 +304,8 @@ impl Flow {
         if after.energy_m2_s2.is_finite() { after } else { self.recover(report) }
     }
 
-    /// What light liquid is torn along at may leave f32 within a step, before the guard sees it: what
-    /// is no number is at rest then, and nothing is faster than what is kept.
+    /// What light liquid is torn along at may leave f32 within a step, before the guard sees it:
+    /// what is no number is at rest then, and nothing is faster than what is kept.
     fn recover(&mut self, report: &mut StepReport) -> Survey {
         report.guard_actions += 1;
         self.excess_m2_s2 = 0.0;

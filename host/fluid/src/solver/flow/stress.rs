@@ -10,8 +10,8 @@
 //! ```
 //! so that it is symmetric and takes energy, whatever the viscosities. At an edge, mu_e is the
 //! harmonic mean of the cells around: stress passes layers as current does resistors in series.
-//! Sides and walls that the liquid sticks to are met as by uniform liquid (see [`super::ghosts`] and
-//! [`super::walls`]): squares are weighed by the areas between faces, those of two components
+//! Sides and walls that the liquid sticks to are met as by uniform liquid (see [`super::ghosts`]
+//! and [`super::walls`]): squares are weighed by the areas between faces, those of two components
 //! together by the lesser.
 
 mod set;

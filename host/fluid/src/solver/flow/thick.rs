@@ -4,8 +4,8 @@
 //! (M + s V) change = rhs
 //! ```
 //! with M and V of [`super::stress`]. Both are symmetric and positive, so conjugate gradients
-//! (Hestenes, Stiefel 1952) solve it, for the three components at once, preconditioned by the diagonal
-//! (Jacobi): a contrast of viscosities is a contrast of diagonals.
+//! (Hestenes, Stiefel 1952) solve it, for the three components at once, preconditioned by the
+//! diagonal (Jacobi): a contrast of viscosities is a contrast of diagonals.
 
 use crate::solver::flow::{
     engine::Engine,
@@ -115,7 +115,8 @@ impl Thick {
     ) -> u32 {
         let has_solids = on.faces.solids().is_some();
         if has_solids {
-            // What a face on an open side has of its own would push what follows within without end.
+            // What a face on an open side has of its own would push what follows within without
+            // end.
             openings::extend(&self.layout, on.faces, velocity);
         }
         self.stress.apply(on, components(velocity), &mut self.product, [0.0, 1.0]);
@@ -139,8 +140,8 @@ impl Thick {
         self.solve(on, ghosts, s, change, velocity)
     }
 
-    /// True if rest is a better guess of the outcome than the velocity: of what gradients make smaller
-    /// in every iteration,
+    /// True if rest is a better guess of the outcome than the velocity: of what gradients make
+    /// smaller in every iteration,
     /// ```text
     /// J = v (M + s V) v / 2 - v . b,     0 at rest, -(u (M + s V) u / 2 + u . rhs) at u
     /// ```
@@ -203,7 +204,8 @@ impl Thick {
                 rhs.zip(friction.zip(stress.inertia[c].iter()))
             {
                 if *inertia > 0.0 {
-                    // What is implicit of friction cancels exactly, or rounding were all that is left.
+                    // What is implicit of friction cancels exactly, or rounding were all that is
+                    // left.
                     *rhs = inertia * (*rhs + *u) - (dt_s - s) * within - dt_s * (all - within);
                     *u = 0.0;
                 } else {

@@ -49,8 +49,8 @@ impl<'a> Tracer<'a> {
         Self { layout, wraps: std::array::from_fn(|axis| ghosts.is_periodic(axis)) }
     }
 
-    /// The velocity at a point, by cubics between the stored ones. Outside of the grid it is that of the nearest point inside, along
-    /// a periodic axis that of the point's image.
+    /// The velocity at a point, by cubics between the stored ones. Outside of the grid it is that
+    /// of the nearest point inside, along a periodic axis that of the point's image.
     pub fn velocity_at(&self, velocity: [&[f32]; 3], point: Vec3) -> Vec3 {
         let points = self.held(point.to_array().map(|p| [p]));
         Vec3::from_array(std::array::from_fn(|c| self.cubic(c, velocity[c], &points)[0]))

@@ -12,9 +12,9 @@
 //! the walls.
 //!
 //! The drag W is 0 where the liquid slides. Where it sticks, a velocity that grows linearly with
-//! the depth s below the wall has no net friction: that gives W = (sum A_g (s_g - s) - V lap s) / s,
-//! s being the mean over the open part of a face. So what distances between the middles of cut faces do
-//! to their friction is made up for, and no more than the slope of the depth at the wall
+//! the depth s below the wall has no net friction: that gives W = (sum A_g (s_g - s) - V lap s) /
+//! s, s being the mean over the open part of a face. So what distances between the middles of cut
+//! faces do to their friction is made up for, and no more than the slope of the depth at the wall
 //! is asked of a distance.
 
 use glam::Vec3;
@@ -326,8 +326,8 @@ impl WallFace {
 
 impl WallFace {
     /// Sum of doubled fluxes of what the neighbours have more than the face, and the part of it
-    /// that keeps momentum: an exchange with those that are open. Through closed ones it leaves with
-    /// what passes them faster than the wall, of velocity `wall_m_s`.
+    /// that keeps momentum: an exchange with those that are open. Through closed ones it leaves
+    /// with what passes them faster than the wall, of velocity `wall_m_s`.
     pub fn advection(
         &self,
         stage: &Stage<'_>,

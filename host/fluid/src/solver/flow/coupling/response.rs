@@ -17,13 +17,14 @@ use crate::solver::{
     },
 };
 
-/// Liquid that keeps less than this part of a push once it is projected is shut in: what it keeps is
-/// rounding.
+/// Liquid that keeps less than this part of a push once it is projected is shut in: what it keeps
+/// is rounding.
 const SHUT_IN: f64 = 1e-3;
 
 impl Flow {
-    /// Sets what liquid at rest does with a push, in units of a cell's mass times velocity, of which
-    /// friction then takes what it does implicitly in `thick_s`. Returns the mean around the body.
+    /// Sets what liquid at rest does with a push, in units of a cell's mass times velocity, of
+    /// which friction then takes what it does implicitly in `thick_s`. Returns the mean around the
+    /// body.
     pub(super) fn respond(
         &mut self,
         coupling: &mut Coupling,
@@ -113,8 +114,8 @@ impl Flow {
                 obstacles.count_response(layout, faces, friction, share, unlike);
             }
         }
-        // The push comes without its own divergence. What friction at walls makes of it anew is like
-        // that of the free part: the next one may expect it.
+        // The push comes without its own divergence. What friction at walls makes of it anew is
+        // like that of the free part: the next one may expect it.
         if scheme == Scheme::MultistepImplicit && friction > 0.0 {
             projection.learn(on, ghosts, &mut self.pressure, (share / part.dt_s) as f32);
         }
