@@ -104,6 +104,13 @@ fn no_file_is_a_god() {
 }
 
 #[test]
+fn comments_keep_to_a_hundred_columns() {
+    let is_wide = |line: &&str| line.trim_start().starts_with("//") && line.chars().count() > 100;
+    let wide = offenders(|_, text| text.lines().find(is_wide).map(|line| format!("has {line}")));
+    assert_eq!(wide, NONE);
+}
+
+#[test]
 fn nothing_is_left_over() {
     let words =
         [concat!("FIX", "ME"), concat!("XX", "X"), concat!("HA", "CK"), concat!("#[ign", "ore")];

@@ -1,7 +1,7 @@
 //! The direct solver of the pressure equation in a box.
 //!
 //! ```text
-//! A psi = rhs,   (A psi)_i = sum over the faces of i that liquid may pass of (psi_i - psi_neighbour)
+//! A psi = rhs,   (A psi)_i = sum over the open faces of i of (psi_i - psi_neighbour)
 //! ```
 //! and of (A + shift) psi = rhs, which is that of implicit viscosity.
 //! Transforms to the modes of x and y leave one tridiagonal system along z for each pair of
