@@ -120,7 +120,7 @@ impl Thick {
             openings::extend(&self.layout, on.faces, velocity);
         }
         self.stress.apply(on, components(velocity), &mut self.product, [0.0, 1.0]);
-        if has_solids && self.is_rest_nearer(on, ghosts, [dt_s, s], change, velocity) {
+        if self.is_rest_nearer(on, ghosts, [dt_s, s], change, velocity) {
             self.start_from_rest([dt_s, s], change, velocity);
             openings::extend(&self.layout, on.faces, velocity);
         } else {
