@@ -3,9 +3,9 @@
 //! No sweep lets a substance through a side, though liquid passes there. What goes out with it, the
 //! share c of the cell behind that the liquid is going to leave by, is taken out before the sweeps:
 //! they then fill the cell again, and an even field stays even. Around a periodic axis it is
-//! exchanged afterwards, when the cell holds what should have gone on top: of that the share c / (1
-//! + c) goes in on the other side. Both are of first order, at the side alone. All else that comes
-//! in is clear.
+//! exchanged afterwards, when the cell holds what should have gone on top: of that the share
+//! c / (1 + c) goes in on the other side. Both are of first order, at the side alone. All else that
+//! comes in is clear.
 
 use super::cells::Cells;
 use crate::{
