@@ -1,31 +1,20 @@
 //! Obstacles against closed forms, against themselves in a moving frame, and against any jump.
 
+mod ball;
+
 use std::f64::consts::PI;
 
 use cauldron_fluid::{
     Grid, Vessel,
-    solver::{Motion, Obstacle, ObstacleId, Setup, Shape, Side, Sides, Solver, Walls, flow::Flow},
+    solver::{Motion, Obstacle, Setup, Shape, Side, Sides, Solver, Walls, flow::Flow},
 };
 use glam::{DVec3, Quat, Vec3};
 use proptest::prelude::*;
 
-/// Off the symmetry of the grid.
-const CENTRE: Vec3 = Vec3::new(0.47, 0.52, 0.51);
-
-fn ball_m3(radius_m: f32) -> f64 {
-    4.0 / 3.0 * PI * f64::from(radius_m).powi(3)
-}
-
-fn with_ball(setup: &Setup, radius_m: f32) -> (Flow, ObstacleId) {
-    let mut flow = Flow::new(setup).expect("a flow");
-    let ball = flow.add_obstacle(Obstacle::sphere(CENTRE, radius_m)).expect("a ball");
-    (flow, ball)
-}
-
-fn periodic(n: usize, viscosity_m2_s: f32, walls: Walls) -> Setup {
-    let sides = Sides::all(Side::Periodic);
-    Setup { sides, walls, viscosity_m2_s, ..Setup::new(Grid::unit_cube(n), Vessel::Box) }
-}
+use self::ball::{
+    CENTRE, ask_for_the_energy_of_jumps, ball_m3, hasimoto, jump, periodic, vessel_to_jump_in,
+    with_ball,
+};
 
 fn bits(flow: &Flow) -> Vec<u64> {
     let mut bits = Vec::new();
@@ -55,12 +44,6 @@ fn a_ball_in_liquid_at_rest_is_lifted_by_the_weight_of_what_it_displaces() {
         flow.visit(&mut |_, _, u| worst_m_s = worst_m_s.max(u.abs()));
         assert!(worst_m_s < 1e-4, "{worst_m_s}");
     }
-}
-
-/// Hasimoto (J. Fluid Mech. 5, 1959): drag on each ball of a cubic array that fills the part c,
-/// over Stokes' for the mean velocity.
-fn hasimoto(c: f64) -> f64 {
-    1.0 / (1.0 - 1.7601 * c.cbrt() + c - 1.5593 * c * c)
 }
 
 /// The drag on a ball in a slow stream through an array, over what it is to be, and the force that
@@ -298,37 +281,10 @@ proptest! {
         is_pot in any::<bool>(),
         viscosity_m2_s in prop_oneof![Just(0f32), 1e-5f32..1.0, Just(1e3f32)],
         side in prop_oneof![Just(Side::NoSlip), Just(Side::Periodic), Just(Side::Outflow)],
-        jumps in prop::collection::vec(
-            (prop::array::uniform3(-0.5f32..1.5), prop::array::uniform3(-2f32..2.0), 1e-4..1.0),
-            1..8,
-        ),
+        jumps in prop::collection::vec(jump(), 1..8),
     ) {
-        let grid = Grid { cells: [9, 8, 7], ..Grid::unit_cube(8) };
-        let walls = if is_sticky { Walls::NoSlip } else { Walls::FreeSlip };
-        let pot = Vessel::Pot { centre_in_world_m: Vec3::splat(0.5), radius_m: 0.45 };
-        let vessel = if is_pot { pot } else { Vessel::Box };
-        let sides = Sides::all(Side::of(walls)).with(0, [side; 2]);
-        let setup = Setup { viscosity_m2_s, walls, sides, ..Setup::new(grid, vessel) };
-        let mut flow = Flow::new(&setup).expect("a flow");
-        let ball = flow.add_obstacle(Obstacle::sphere(CENTRE, radius_m)).expect("a ball");
-        for (at, velocity, dt_s) in jumps {
-            let (at, velocity) = (Vec3::from_array(at), Vec3::from_array(velocity));
-            flow.move_obstacle(ball, Motion::moving(at, velocity)).expect("finite");
-            let before_j = flow.kinetic_energy_j();
-            flow.step(dt_s).expect("finite");
-            let force_on_n = flow.force_on_n(ball).expect("there");
-            let mut is_finite = force_on_n.is_finite();
-            flow.visit(&mut |_, _, u| is_finite &= u.is_finite());
-            prop_assert!(is_finite);
-            // What the ball did, and what liquid in the space that it sweeps may have at its speed.
-            let work_j = -dt_s * force_on_n.dot(velocity.as_dvec3());
-            let way_m = f64::from(velocity.abs().element_sum()) * dt_s;
-            let reach_m = f64::from(radius_m) + 0.125;
-            let swept_kg = 1000.0 * way_m * PI * reach_m * reach_m;
-            let gain_j = flow.kinetic_energy_j() - before_j;
-            let most_j = 1.1 * work_j.max(0.0) + swept_kg * (way_m / dt_s).powi(2);
-            prop_assert!(gain_j <= most_j, "{gain_j} J of {work_j} J");
-        }
+        let setup = Setup { viscosity_m2_s, ..vessel_to_jump_in(is_sticky, is_pot, side) };
+        ask_for_the_energy_of_jumps(with_ball(&setup, radius_m), radius_m, 1000.0, jumps)?;
     }
 }
 

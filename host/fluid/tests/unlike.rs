@@ -1,5 +1,7 @@
 //! Obstacles in liquids that are not the same everywhere, against closed forms and each other.
 
+mod ball;
+
 use std::{f64::consts::PI, sync::Arc};
 
 use cauldron_fluid::{
@@ -7,15 +9,17 @@ use cauldron_fluid::{
     pool::Pool,
     simd::SimdClass,
     solver::{
-        Motion, Obstacle, ObstacleId, Scheme, Setup, Shape, Side, Sides, Solver, Walls,
+        Motion, Obstacle, Scheme, Setup, Shape, Side, Sides, Solver, Walls,
         flow::{Flow, Medium},
     },
 };
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 
-/// Off the symmetry of the grid.
-const CENTRE: Vec3 = Vec3::new(0.47, 0.52, 0.51);
+use self::ball::{
+    CENTRE, ask_for_the_energy_of_jumps, ball_m3, hasimoto, jump, periodic, vessel_to_jump_in,
+    with_ball,
+};
 
 const GRAVITY_M_S2: f64 = 10.0;
 
@@ -23,22 +27,10 @@ fn medium(density_kg_m3: f64, viscosity_m2_s: f64) -> Medium {
     Medium { density_kg_m3, viscosity_m2_s }
 }
 
-/// A box that is periodic, with gravity.
-fn periodic(n: usize, viscosity_m2_s: f32, walls: Walls) -> Setup {
-    let sides = Sides::all(Side::Periodic);
-    Setup { sides, walls, viscosity_m2_s, ..Setup::new(Grid::unit_cube(n), Vessel::Box) }
-}
-
 /// A closed box with gravity along -y.
 fn heavy(n: usize) -> Setup {
     let gravity_m_s2 = Vec3::new(0.0, -GRAVITY_M_S2 as f32, 0.0);
     Setup { gravity_m_s2, ..Setup::new(Grid::unit_cube(n), Vessel::Box) }
-}
-
-fn with_ball(setup: &Setup, radius_m: f32) -> (Flow, ObstacleId) {
-    let mut flow = Flow::new(setup).expect("a flow");
-    let ball = flow.add_obstacle(Obstacle::sphere(CENTRE, radius_m)).expect("a ball");
-    (flow, ball)
 }
 
 fn values(flow: &Flow) -> Vec<f64> {
@@ -140,12 +132,6 @@ fn a_viscosity_that_hardly_differs_drags_a_ball_as_the_same_everywhere() {
     }
 }
 
-/// Hasimoto (J. Fluid Mech. 5, 1959): drag on each ball of a cubic array that fills the part c,
-/// over Stokes' for the mean velocity.
-fn hasimoto(c: f64) -> f64 {
-    1.0 / (1.0 - 1.7601 * c.cbrt() + c - 1.5593 * c * c)
-}
-
 #[test]
 fn the_drag_on_a_ball_that_stresses_hold_is_that_of_hasimoto() {
     for (n, at_most) in [(16, 0.05), (20, 0.04)] {
@@ -155,7 +141,7 @@ fn the_drag_on_a_ball_that_stresses_hold_is_that_of_hasimoto() {
         flow.set_force(&|_| DVec3::X).expect("finite");
         (0..40).for_each(|_| assert_eq!(flow.step(0.02).expect("finite").guard_actions, 0));
         let u = flow.momentum_n_s().x / 1000.0;
-        let ball_m3 = 4.0 / 3.0 * PI * 0.2f64.powi(3);
+        let ball_m3 = ball_m3(0.2);
         let drag = 1000.0 / (6.0 * PI * 1001.5 * 0.2 * u * hasimoto(ball_m3));
         let balance = flow.force_on_n(ball).expect("there").x / 1000.0 / (1.0 - ball_m3);
         assert!((drag - 1.0).abs() < at_most && (balance - 1.0).abs() < 0.004, "{drag} {balance}");
@@ -327,39 +313,15 @@ proptest! {
         viscosity in prop_oneof![Just([0.0, 0.0]), Just([0.0, 0.1]), Just([1e-3, 10.0]), Just([0.1, 1e3])],
         side in prop_oneof![Just(Side::NoSlip), Just(Side::Periodic), Just(Side::Outflow)],
         split in prop::array::uniform3(-1.0..1.0f64),
-        jumps in prop::collection::vec(
-            (prop::array::uniform3(-0.5f32..1.5), prop::array::uniform3(-2f32..2.0), 1e-4..1.0),
-            1..6,
-        ),
+        jumps in prop::collection::vec(jump(), 1..6),
     ) {
-        let grid = Grid { cells: [9, 8, 7], ..Grid::unit_cube(8) };
-        let walls = if is_sticky { Walls::NoSlip } else { Walls::FreeSlip };
-        let pot = Vessel::Pot { centre_in_world_m: Vec3::splat(0.5), radius_m: 0.45 };
-        let vessel = if is_pot { pot } else { Vessel::Box };
-        let sides = Sides::all(Side::of(walls)).with(0, [side; 2]);
-        let setup = Setup { viscosity_m2_s: 0.0, walls, sides, ..Setup::new(grid, vessel) };
-        let (mut flow, ball) = with_ball(&setup, radius_m);
+        let (mut flow, ball) = with_ball(&vessel_to_jump_in(is_sticky, is_pot, side), radius_m);
         let is_other = |p: DVec3| (p - 0.5).dot(DVec3::from_array(split)) > 0.0;
         let made = |p: DVec3| match is_other(p) {
             true => medium(1000.0 * ratio, viscosity[1] / ratio),
             false => medium(1000.0, viscosity[0]),
         };
         flow.set_medium(&made).expect("in range");
-        for (at, velocity, dt_s) in jumps {
-            let (at, velocity) = (Vec3::from_array(at), Vec3::from_array(velocity));
-            flow.move_obstacle(ball, Motion::moving(at, velocity)).expect("finite");
-            let before_j = flow.kinetic_energy_j();
-            flow.step(dt_s).expect("finite");
-            let force_on_n = flow.force_on_n(ball).expect("there");
-            prop_assert!(force_on_n.is_finite() && values(&flow).iter().all(|u| u.is_finite()));
-            // What the ball did, and what liquid in the space that it sweeps may have at its speed.
-            let work_j = -dt_s * force_on_n.dot(velocity.as_dvec3());
-            let way_m = f64::from(velocity.abs().element_sum()) * dt_s;
-            let reach_m = f64::from(radius_m) + 0.125;
-            let swept_kg = 1000.0 * ratio * way_m * PI * reach_m * reach_m;
-            let gain_j = flow.kinetic_energy_j() - before_j;
-            let most_j = 1.1 * work_j.max(0.0) + swept_kg * (way_m / dt_s).powi(2);
-            prop_assert!(gain_j <= most_j, "{gain_j} J of {work_j} J");
-        }
+        ask_for_the_energy_of_jumps((flow, ball), radius_m, 1000.0 * ratio, jumps)?;
     }
 }

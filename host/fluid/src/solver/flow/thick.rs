@@ -113,8 +113,7 @@ impl Thick {
         change: &mut Vector,
         velocity: &mut Vector,
     ) -> u32 {
-        let has_solids = on.faces.solids().is_some();
-        if has_solids {
+        if on.faces.solids().is_some() {
             // What a face on an open side has of its own would push what follows within without
             // end.
             openings::extend(&self.layout, on.faces, velocity);
