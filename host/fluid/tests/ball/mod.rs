@@ -42,7 +42,8 @@ pub fn jump() -> impl Strategy<Value = Jump> {
     (prop::array::uniform3(-0.5f32..1.5), prop::array::uniform3(-2f32..2.0), 1e-4..1.0)
 }
 
-/// A small vessel of inviscid liquid, no two edges of its grid alike, with `side` at both ends of x.
+/// A small vessel of inviscid liquid, no two edges of its grid alike, with `side` at both ends
+/// of x.
 pub fn vessel_to_jump_in(is_sticky: bool, is_pot: bool, side: Side) -> Setup {
     let grid = Grid { cells: [9, 8, 7], ..Grid::unit_cube(8) };
     let walls = if is_sticky { Walls::NoSlip } else { Walls::FreeSlip };
