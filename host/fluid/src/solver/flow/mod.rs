@@ -16,7 +16,6 @@ mod inlets;
 mod interface;
 mod inventory;
 mod krylov;
-pub(crate) mod lanes;
 mod looks;
 mod medium;
 mod mixture;

@@ -15,7 +15,7 @@
 use std::ops::Range;
 
 use super::basis::{Ends, Mode, modes};
-use crate::solver::flow::lanes::{add, reversed, subtract};
+use crate::lanes::{add, reversed, subtract};
 
 /// Values that are folded together.
 const BLOCK: usize = 8;
