@@ -88,6 +88,11 @@ impl Transform {
         self.parts.push(part);
     }
 
+    /// True for the modes in a row of them, false for pads.
+    pub fn is_mode(&self, at: usize) -> bool {
+        self.parts.iter().any(|part| (part.start..part.start + part.count).contains(&at))
+    }
+
     /// Scales what the transform gives by `factor`.
     pub fn scale(&mut self, factor: f32) {
         let tables = self.parts.iter_mut().flat_map(|part| &mut part.by_value);
