@@ -4,7 +4,7 @@ use cauldron_fluid::{
     Pot,
     force::{Baker, Life, Update},
     scenes::Scene,
-    vessel::Vessel,
+    vessel::{RIM_M, Vessel},
 };
 use cauldron_link::{Session, SessionError, Setup, Transport, session::Counts};
 use cauldron_protocol::{
@@ -241,9 +241,6 @@ fn vessel_of(scene: &Scene) -> cauldron_protocol::Vessel {
         damping: NewtonSecondsPerMetre(feel.wall_damping_n_s_per_m),
     }
 }
-
-/// The pot's wall goes on for so much above the liquid.
-const RIM_M: f32 = 0.02;
 
 /// The six faces of the grid's box; five if it holds a liquid with a surface, which one must get
 /// into.

@@ -16,6 +16,7 @@ pub mod simd;
 pub mod snapshot;
 pub mod solver;
 mod spectral;
+pub mod splash;
 pub mod substance;
 pub mod surface;
 pub mod torture;
@@ -23,5 +24,5 @@ pub mod vessel;
 
 pub use grid::Grid;
 pub use pot::Pot;
-pub use snapshot::{SmokeView, Snapshot, SubstanceView, SurfaceView};
+pub use snapshot::{DropView, SmokeView, Snapshot, SubstanceView, SurfaceView};
 pub use vessel::Vessel;

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 use crate::{
-    Snapshot, SubstanceView,
+    DropView, Snapshot, SubstanceView,
     air::Air,
     force::{Drag, Exchange},
     grid::Grid,
@@ -14,6 +14,7 @@ use crate::{
     scenes::{GRAVITY_M_S2, Scene, Start, Substance},
     simd::SimdClass,
     solver::{Setup, SetupError, Sides, Solver, flow::Flow},
+    splash::{Below, Droplet, Splash},
     substance::{Properties, Substances},
     surface::{Basin, Surface},
     vessel::Vessel,
@@ -49,6 +50,7 @@ pub struct Pot {
     flow: Option<Flow>,
     substances: Option<Substances>,
     surface: Option<Surface>,
+    splash: Option<Splash>,
     air: Option<Air>,
     drag: Drag,
     probe_radius_m: f32,
@@ -105,6 +107,10 @@ impl Pot {
             substances,
             flow,
             surface: surface_of(scene, simd)?,
+            splash: scene
+                .surface
+                .zip(scene.liquid)
+                .map(|(_, liquid)| Splash::new(liquid.density_kg_m3, liquid.gravity_m_s2)),
             air,
             drag,
             probe_radius_m: scene.probe.radius_m,
@@ -131,6 +137,12 @@ impl Pot {
     #[must_use]
     pub fn surface(&self) -> Option<&Surface> {
         self.surface.as_ref()
+    }
+
+    /// The drops, if the scene has a surface.
+    #[must_use]
+    pub fn splash(&self) -> Option<&Splash> {
+        self.splash.as_ref()
     }
 
     /// The substances, if the scene has a liquid to pour them into.
@@ -271,6 +283,12 @@ impl Pot {
             let report = surface.step(dt_s);
             self.totals.guard_actions += u64::from(report.guard_actions);
         }
+        let below = (&mut self.surface, &mut self.flow, &mut self.substances);
+        if let (Some(splash), (Some(surface), Some(flow), Some(substances))) =
+            (&mut self.splash, below)
+        {
+            splash.step(Below { surface, flow, substances }, dt_s);
+        }
         if let Some(air) = &mut self.air {
             let surface = self.surface.as_ref();
             let risen_m = |at| surface.map_or(0.0, |surface| surface.at(at).0);
@@ -289,6 +307,22 @@ impl Pot {
         fraction
     }
 
+    /// Drops in the air, coloured by what is in them.
+    fn drop_views(&self) -> Vec<DropView> {
+        let Some((splash, liquid)) = self.splash.as_ref().zip(self.liquid_colour) else {
+            return Vec::new();
+        };
+        let view = |(n, drop): (usize, &Droplet)| {
+            let kinds = splash.content_of(n).iter().zip(&self.palette);
+            let colour = kinds.fold(liquid, |colour, (volume_m3, substance)| {
+                let share = (volume_m3 / drop.volume_m3) as f32;
+                colour + share * (substance.colour - liquid)
+            });
+            DropView { at_in_world_m: drop.at_in_world_m, radius_m: drop.radius_m(), colour }
+        };
+        splash.drops().iter().enumerate().map(view).collect()
+    }
+
     /// What is drawn.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
@@ -303,6 +337,7 @@ impl Pot {
             liquid_colour: self.liquid_colour,
             substances: self.palette.iter().enumerate().map(view).collect(),
             surface: self.surface.as_ref().map(Surface::view),
+            drops: self.drop_views(),
             smoke: self.air.as_ref().map(Air::view),
         }
     }

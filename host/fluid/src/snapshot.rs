@@ -19,8 +19,21 @@ pub struct Snapshot {
     pub substances: Vec<SubstanceView>,
     /// The liquid's surface, where the scene has one.
     pub surface: Option<SurfaceView>,
+    /// Drops in the air.
+    pub drops: Vec<DropView>,
     /// Smoke in the gas above the liquid, where the scene has one.
     pub smoke: Option<SmokeView>,
+}
+
+/// A drop as it is drawn: a ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DropView {
+    /// Its middle.
+    pub at_in_world_m: Vec3,
+    /// Its radius.
+    pub radius_m: f32,
+    /// Linear RGB, 0 to 1.
+    pub colour: Vec3,
 }
 
 /// The smoke as it is drawn.

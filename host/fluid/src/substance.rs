@@ -16,6 +16,7 @@ mod fit;
 pub mod mixture;
 mod remap;
 mod schedule;
+mod scoop;
 mod sides;
 mod source;
 mod sweep;

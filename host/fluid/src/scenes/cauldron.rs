@@ -74,6 +74,8 @@ const SKIN: SurfaceParams = SurfaceParams {
     tension_n_per_m: 5.0,
     bend: 0.05,
     drag_n_s_per_m3: 60.0,
+    tear_speed_m_s: 0.6,
+    tear_slope: 0.577,
     layer_decay_m: 0.04,
     contact_stiffness_n_per_m: 32.0,
     break_force_n: 0.12,

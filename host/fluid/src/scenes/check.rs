@@ -210,6 +210,8 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     number("surface.tension_n_per_m", surface.tension_n_per_m, STIFF)?;
     number("surface.bend", surface.bend, Bound::new(0.0, 10.0))?;
     number("surface.drag_n_s_per_m3", surface.drag_n_s_per_m3, STIFF)?;
+    number("surface.tear_speed_m_s", surface.tear_speed_m_s, Bound::new(0.01, 1e6))?;
+    number("surface.tear_slope", surface.tear_slope, Bound::new(0.05, 1e6))?;
     number("surface.layer_decay_m", surface.layer_decay_m, Bound::new(1e-4, 1e3))?;
     number("surface.contact_stiffness_n_per_m", surface.contact_stiffness_n_per_m, STIFF)?;
     number("surface.break_force_n", surface.break_force_n, STIFF)?;

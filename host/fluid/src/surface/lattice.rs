@@ -61,6 +61,36 @@ impl Lattice {
         self.origin_in_world_m + self.spacing_m * Vec3::new(i as f32, 0.0, k as f32)
     }
 
+    /// The node nearest to a place; of one beside the lattice, that at its edge.
+    #[must_use]
+    pub fn nearest(&self, at_in_world_m: Vec3) -> usize {
+        let from = (at_in_world_m - self.origin_in_world_m) / self.spacing_m;
+        // A float to integer cast saturates.
+        let along = |x: f32, n: usize| ((x + 0.5).max(0.0) as usize).min(n - 1);
+        along(from.x, self.nodes[0]) + self.nodes[0] * along(from.z, self.nodes[1])
+    }
+
+    /// True for a place over or under a node that is wet.
+    #[must_use]
+    pub fn is_over(&self, at_in_world_m: Vec3) -> bool {
+        let from = (at_in_world_m - self.origin_in_world_m) / self.spacing_m;
+        let within = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
+        let is_within = within(from.x, self.nodes[0]) && within(from.z, self.nodes[1]);
+        is_within && self.wet[self.nearest(at_in_world_m)]
+    }
+
+    /// The nodes before and after one along x and along z; itself for one that is not there or dry.
+    #[must_use]
+    pub fn beside(&self, node: usize) -> [[usize; 2]; 2] {
+        let [nx, nz] = self.nodes;
+        let wet = |to: usize, is_there: bool| if is_there && self.wet[to] { to } else { node };
+        let (i, k) = (node % nx, node / nx);
+        [
+            [wet(node.saturating_sub(1), i > 0), wet((node + 1).min(self.len() - 1), i + 1 < nx)],
+            [wet(node.saturating_sub(nx), k > 0), wet((node + nx).min(self.len() - 1), k + 1 < nz)],
+        ]
+    }
+
     /// The four nodes around a place and their bilinear shares; of a place beside the lattice,
     /// those at its edge.
     #[must_use]

@@ -10,16 +10,18 @@ mod lattice;
 mod orbits;
 mod params;
 mod spring;
+mod tear;
 mod touch;
 mod wave;
 
 pub use lattice::Lattice;
 pub use params::SurfaceParams;
+pub use tear::Torn;
 pub use touch::{Act, Answer, Touch};
 
 use glam::Vec3;
 
-use self::orbits::Orbits;
+use self::{orbits::Orbits, tear::Change};
 use crate::{
     grid::Grid, simd::SimdClass, snapshot::SurfaceView, solver::SetupError, vessel::Vessel,
 };
@@ -80,6 +82,9 @@ pub trait Model: Send {
     /// Adds to heights and speeds, as far as it can tell: their mean is left out.
     fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]);
 
+    /// Adds to heights, their mean left out, and gives an upward impulse to each node.
+    fn change(&mut self, height_m: &[f32], impulse_n_s: &[f32]);
+
     /// Multiplies heights and speeds, by 0 to be at rest.
     fn scale(&mut self, factor: f32);
 
@@ -135,6 +140,12 @@ pub struct Surface {
     /// What presses from below in the next step; empty until something does.
     force_n: Vec<f32>,
     is_pressed: bool,
+    /// Height of the whole above rest, by what left and fell in.
+    level_m: f64,
+    /// Fastest speed and highest height, as magnitudes.
+    extremes: [f32; 2],
+    change: Change,
+    under: Vec<(usize, f32)>,
     /// Heights and speeds of the moment that was looked ahead to; empty before.
     then: [Vec<f32>; 2],
     orbits: Orbits,
@@ -161,6 +172,10 @@ impl Surface {
             touching: 0,
             force_n: Vec::new(),
             is_pressed: false,
+            level_m: 0.0,
+            extremes: [0.0; 2],
+            change: Change::default(),
+            under: Vec::new(),
             then: [Vec::new(), Vec::new()],
             orbits: Orbits::default(),
             layer_m: basin.grid.spacing_m,
@@ -204,7 +219,7 @@ impl Surface {
         self.lattice.origin_in_world_m.y
     }
 
-    /// Heights above rest of all nodes.
+    /// Heights of all nodes above [`Surface::level_m`].
     #[must_use]
     pub fn height_m(&self) -> &[f32] {
         &self.height_m
@@ -306,7 +321,9 @@ impl Surface {
     /// which is returned as 1.
     fn look(&mut self) -> u32 {
         self.model.read(&mut self.height_m, &mut self.speed_m_s);
-        let (rest, guarded) = match self.largest() {
+        self.extremes = [&self.speed_m_s, &self.height_m].map(|field| largest(self.simd, field));
+        let [fastest, highest] = self.extremes;
+        let (rest, guarded) = match if highest < fastest { fastest } else { highest } {
             most if most < REST => (true, 0),
             ..=MOST => (false, 0),
             most if most.is_finite() => {
@@ -326,27 +343,29 @@ impl Surface {
         guarded
     }
 
-    /// The largest magnitude of height and speed; no number if one of them is none.
-    fn largest(&self) -> f32 {
-        // As numbers of all bits but the sign's, magnitudes keep their order, with NaN above all.
-        let most = self.simd.vectorize(
-            #[inline(always)]
-            || {
-                let all = self.height_m.iter().chain(&self.speed_m_s);
-                all.fold(0, |most, v| most.max(v.to_bits() & !(1 << 31)))
-            },
-        );
-        f32::from_bits(most)
-    }
-
     /// Height above rest and vertical speed at a world place, in m and m/s.
     #[must_use]
     pub fn at(&self, at_in_world_m: Vec3) -> (f32, f32) {
         if self.asleep {
-            return (0.0, 0.0);
+            return (self.level_m(), 0.0);
         }
-        let fields = [&self.height_m, &self.speed_m_s];
-        fields.map(|field| self.between_nodes(field, at_in_world_m)).into()
+        let [height_m, speed_m_s] =
+            [&self.height_m, &self.speed_m_s].map(|field| self.between_nodes(field, at_in_world_m));
+        (self.level_m() + height_m, speed_m_s)
+    }
+
+    /// Height of the whole above rest: what drops brought and took, spread over it.
+    #[must_use]
+    pub fn level_m(&self) -> f32 {
+        self.level_m as f32
+    }
+
+    /// Volume above rest: below, if more left by drops than fell in.
+    #[must_use]
+    pub fn volume_m3(&self) -> f64 {
+        let waves: f64 = self.height_m.iter().map(|y| f64::from(*y)).sum();
+        let nodes = waves + self.level_m * self.lattice.wet_count() as f64;
+        nodes * f64::from(self.lattice.node_m2())
     }
 
     /// Looks ahead: what [`Surface::ahead`] tells is of the moment `ahead_s` from now, if nothing
@@ -367,7 +386,9 @@ impl Surface {
         if self.asleep || self.then[0].is_empty() {
             return self.at(at_in_world_m);
         }
-        self.then.each_ref().map(|field| self.between_nodes(field, at_in_world_m)).into()
+        let [height_m, speed_m_s] =
+            self.then.each_ref().map(|field| self.between_nodes(field, at_in_world_m));
+        (self.level_m() + height_m, speed_m_s)
     }
 
     fn between_nodes(&self, field: &[f32], at_in_world_m: Vec3) -> f32 {
@@ -397,11 +418,21 @@ impl Surface {
             nodes,
             spacing_m,
             origin_in_world_m: [origin.x, origin.z],
-            rest_height_in_world_m: origin.y,
+            rest_height_in_world_m: origin.y + self.level_m(),
             height_m: self.height_m.clone(),
             layer_decay_m: self.params.layer_decay_m,
         }
     }
+}
+
+/// The largest magnitude; no number if one of them is none.
+fn largest(simd: SimdClass, values: &[f32]) -> f32 {
+    // As numbers of all bits but the sign's, magnitudes keep their order, with NaN above all.
+    let most = simd.vectorize(
+        #[inline(always)]
+        || values.iter().fold(0, |most, v| most.max(v.to_bits() & !(1 << 31))),
+    );
+    f32::from_bits(most)
 }
 
 #[cfg(test)]

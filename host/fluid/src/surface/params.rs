@@ -18,6 +18,10 @@ pub struct SurfaceParams {
     pub bend: f32,
     /// Drag by area; of waves beside their viscous damping.
     pub drag_n_s_per_m3: f32,
+    /// Faster than this it breaks and drops leave.
+    pub tear_speed_m_s: f32,
+    /// Steeper than this its crests break.
+    pub tear_slope: f32,
     /// Depth at which a layer below moves 1/e as far as the surface.
     pub layer_decay_m: f32,
     /// Stiffness of the surface under the probe.

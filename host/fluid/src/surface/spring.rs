@@ -145,6 +145,18 @@ impl Model for SpringSheet {
         }
     }
 
+    fn change(&mut self, height_m: &[f32], impulse_n_s: &[f32]) {
+        for (node, (height_m, impulse_n_s)) in height_m.iter().zip(impulse_n_s).enumerate() {
+            if self.springs.is_wet(node) {
+                let at = self.springs.at(node);
+                self.motion.height_m[at] += height_m;
+                self.motion.speed_m_s[at] += impulse_n_s * self.springs.per_kg;
+            }
+        }
+        self.springs.keep_volume(&mut self.motion.height_m);
+        self.springs.keep_volume(&mut self.motion.speed_m_s);
+    }
+
     fn scale(&mut self, factor: f32) {
         // What is no number is to be 0 where all is.
         let scaled = |v: &mut f32| *v = if factor == 0.0 { 0.0 } else { *v * factor };

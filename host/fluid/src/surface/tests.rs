@@ -10,6 +10,8 @@ pub(super) const WATER: SurfaceParams = SurfaceParams {
     tension_n_per_m: 5.0,
     bend: 0.0,
     drag_n_s_per_m3: 0.0,
+    tear_speed_m_s: 0.6,
+    tear_slope: 0.577,
     layer_decay_m: 0.05,
     contact_stiffness_n_per_m: 30.0,
     break_force_n: 0.1,

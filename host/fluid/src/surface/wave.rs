@@ -211,6 +211,22 @@ impl Model for Waves {
         }
     }
 
+    fn change(&mut self, height_m: &[f32], impulse_n_s: &[f32]) {
+        self.under.resize(self.modes.len(), 0.0);
+        self.basis.weigh(height_m, &mut self.nodal);
+        self.basis.analyse(&self.nodal, &mut self.under);
+        let Self { amplitude, speed, under, answer_per_m, basis, .. } = self;
+        for ((own, more), answer) in amplitude.iter_mut().zip(&*under).zip(&*answer_per_m) {
+            // The constant mode is the volume, which is kept.
+            *own += if *answer > 0.0 { *more } else { 0.0 };
+        }
+        basis.analyse(impulse_n_s, under);
+        let per_density = (1.0 / self.density_kg_m3) as f32;
+        for ((own, impulse), answer) in speed.iter_mut().zip(under).zip(answer_per_m) {
+            *own += per_density * *answer * *impulse;
+        }
+    }
+
     fn scale(&mut self, factor: f32) {
         // What is no number is to be 0 where all is.
         let scaled = |v: &mut f32| *v = if factor == 0.0 { 0.0 } else { *v * factor };

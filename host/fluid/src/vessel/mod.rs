@@ -19,6 +19,9 @@ pub use distance::DistanceGrid;
 pub use hollow::MeshOf;
 pub use mesh::{Mesh, MeshError, MeshFault};
 
+/// The walls of an open vessel go on for so much above the liquid at rest.
+pub const RIM_M: f32 = 0.02;
+
 /// A vessel in world metres. The rest surface of the liquid is the top of the grid's box, and
 /// where a vessel goes on beyond the box, the sides of the box are its walls.
 ///

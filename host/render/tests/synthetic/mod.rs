@@ -24,6 +24,7 @@ pub fn clear() -> Snapshot {
         liquid_colour: Some(CLEAR),
         substances: Vec::new(),
         surface: Some(surface(|_, _| 0.0)),
+        drops: Vec::new(),
         smoke: None,
     }
 }

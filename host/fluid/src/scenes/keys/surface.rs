@@ -19,6 +19,8 @@ pub(super) struct SurfaceKeys {
     tension_n_per_m: Number,
     bend: Number,
     drag_n_s_per_m3: Number,
+    tear_speed_m_s: Number,
+    tear_slope: Number,
     layer_decay_m: Number,
     contact_stiffness_n_per_m: Number,
     break_force_n: Number,
@@ -45,6 +47,8 @@ pub(super) fn apply(
     lines.set("surface.tension_n_per_m", &mut surface.tension_n_per_m, &keys.tension_n_per_m);
     lines.set("surface.bend", &mut surface.bend, &keys.bend);
     lines.set("surface.drag_n_s_per_m3", &mut surface.drag_n_s_per_m3, &keys.drag_n_s_per_m3);
+    lines.set("surface.tear_speed_m_s", &mut surface.tear_speed_m_s, &keys.tear_speed_m_s);
+    lines.set("surface.tear_slope", &mut surface.tear_slope, &keys.tear_slope);
     lines.set("surface.layer_decay_m", &mut surface.layer_decay_m, &keys.layer_decay_m);
     let stiffness = &mut surface.contact_stiffness_n_per_m;
     lines.set("surface.contact_stiffness_n_per_m", stiffness, &keys.contact_stiffness_n_per_m);

@@ -1,0 +1,137 @@
+//! Where the surface breaks, and how what falls comes back to it.
+//!
+//! A node tears where it rises faster than [`SurfaceParams::tear_speed_m_s`], or stands above a
+//! neighbour by more than [`SurfaceParams::tear_slope`] allows: Stokes' steepest wave has a slope
+//! of tan 30 degrees at its crest (Stokes 1880). What leaves is the layer that is too fast or too
+//! high, at most a fifth of the spacing thick: so thin that the liquid which gives it its momentum
+//! is heavier than it, and no energy is made. It leaves along the normal.
+
+use glam::Vec3;
+
+use super::Surface;
+use crate::splash::Droplet;
+
+/// Thickest layer that leaves a node in a step, in spacings.
+const THICKEST: f32 = 0.2;
+
+/// Thinner layers do not leave: drops would be dust.
+const THINNEST: f32 = 0.002;
+
+/// A drop that leaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Torn {
+    /// Where.
+    pub at_in_world_m: Vec3,
+    /// How fast.
+    pub velocity_m_s: Vec3,
+    /// How much.
+    pub volume_m3: f64,
+}
+
+/// What drops change, until it is settled; empty before the first.
+#[derive(Default)]
+pub struct Change {
+    height_m: Vec<f32>,
+    impulse_n_s: Vec<f32>,
+    volume_m3: f64,
+    is_open: bool,
+}
+
+impl Change {
+    fn open(&mut self, nodes: usize) -> &mut Self {
+        if !self.is_open {
+            self.height_m.clear();
+            self.height_m.resize(nodes, 0.0);
+            self.impulse_n_s.clear();
+            self.impulse_n_s.resize(nodes, 0.0);
+            (self.is_open, self.volume_m3) = (true, 0.0);
+        }
+        self
+    }
+}
+
+impl Surface {
+    /// Finds where the surface breaks in a step, at most `most` places: `torn` are the drops that
+    /// leave there. What they take is taken by [`Surface::settle`].
+    pub fn tear(&mut self, dt_s: f32, most: usize, torn: &mut Vec<Torn>) {
+        torn.clear();
+        let [fastest_m_s, highest_m] = self.extremes;
+        let steepest_m = self.params.tear_slope * self.lattice.spacing_m;
+        let may_tear = fastest_m_s > self.params.tear_speed_m_s || 2.0 * highest_m > steepest_m;
+        if self.asleep || !may_tear {
+            return;
+        }
+        for node in 0..self.lattice.len() {
+            if torn.len() == most {
+                return;
+            }
+            torn.extend(self.torn_at(node, dt_s, steepest_m));
+        }
+    }
+
+    fn torn_at(&self, node: usize, dt_s: f32, steepest_m: f32) -> Option<Torn> {
+        if !self.lattice.wet[node] {
+            return None;
+        }
+        let (height_m, speed_m_s) = (self.height_m[node], self.speed_m_s[node]);
+        let [x, z] = self.lattice.beside(node).map(|pair| pair.map(|n| self.height_m[n]));
+        let lowest_m = [x, z].as_flattened().iter().fold(height_m, |low, y| low.min(*y));
+        let too_fast_m = (speed_m_s - self.params.tear_speed_m_s).max(0.0) * dt_s;
+        // Only a crest falls off: in a slope the liquid beside holds it.
+        let is_crest = [x, z].iter().all(|[before, after]| height_m >= before.max(*after));
+        let too_high_m = if is_crest { height_m - lowest_m - steepest_m } else { 0.0 };
+        let spacing_m = self.lattice.spacing_m;
+        let thick_m = too_fast_m.max(0.5 * too_high_m).min(THICKEST * spacing_m);
+        if thick_m < THINNEST * spacing_m {
+            return None;
+        }
+        let slope = [x, z].map(|[before, after]| 0.5 * (after - before) / spacing_m);
+        let normal = Vec3::new(-slope[0], 1.0, -slope[1]);
+        let steep = 1.0 + slope[0] * slope[0] + slope[1] * slope[1];
+        // What a rising surface moves by is its speed along the normal.
+        let velocity_m_s = normal * (speed_m_s.max(0.0) / steep);
+        let at_in_world_m =
+            self.lattice.in_world_m(node) + (self.level_m() + height_m + thick_m) * Vec3::Y;
+        let volume_m3 = f64::from(thick_m * self.lattice.node_m2());
+        Some(Torn { at_in_world_m, velocity_m_s, volume_m3 })
+    }
+
+    /// A drop falls into the surface; what it brings is there after [`Surface::settle`].
+    pub fn merge(&mut self, drop: &Droplet, density_kg_m3: f64) {
+        let mut under = std::mem::take(&mut self.under);
+        self.lattice.find_under(drop.at_in_world_m, drop.radius_m(), &mut under);
+        let mass_kg = density_kg_m3 * drop.volume_m3;
+        let down_n_s = (mass_kg * f64::from(drop.velocity_m_s.y)) as f32;
+        self.bring(&under, drop.volume_m3, down_n_s);
+        self.under = under;
+    }
+
+    /// Adds volume and upward impulse at some nodes.
+    fn bring(&mut self, under: &[(usize, f32)], volume_m3: f64, impulse_n_s: f32) {
+        let rise_m = (volume_m3 / f64::from(self.lattice.node_m2())) as f32;
+        let change = self.change.open(self.lattice.len());
+        for &(node, share) in under {
+            change.height_m[node] += share * rise_m;
+            change.impulse_n_s[node] += share * impulse_n_s;
+        }
+        change.volume_m3 += volume_m3;
+    }
+
+    /// Takes away what was torn, and adds what fell.
+    pub fn settle(&mut self, torn: &[Torn], density_kg_m3: f64) {
+        for drop in torn {
+            let node = self.lattice.nearest(drop.at_in_world_m);
+            let up_n_s = density_kg_m3 * drop.volume_m3 * f64::from(drop.velocity_m_s.y);
+            self.bring(&[(node, 1.0)], -drop.volume_m3, -up_n_s as f32);
+        }
+        if !self.change.is_open {
+            return;
+        }
+        self.change.is_open = false;
+        self.model.change(&self.change.height_m, &self.change.impulse_n_s);
+        let wet_m2 = f64::from(self.lattice.node_m2()) * self.lattice.wet_count() as f64;
+        self.level_m += self.change.volume_m3 / wet_m2;
+        self.asleep = false;
+        self.look();
+    }
+}
