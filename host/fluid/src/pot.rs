@@ -41,6 +41,9 @@ pub struct Totals {
 /// time in which the hand's push comes back as a field, or the two would swing each other up.
 const CONTACT_DAMPING_S: f32 = 0.06;
 
+/// What waves change the liquid by in a step is left out below this: it rests at ten times that.
+const LEAST_DRIFT_M_S: f32 = 1e-7;
+
 /// A pot.
 pub struct Pot {
     grid: Grid,
@@ -283,6 +286,7 @@ impl Pot {
             let report = surface.step(dt_s);
             self.totals.guard_actions += u64::from(report.guard_actions);
         }
+        self.drift(dt_s);
         let below = (&mut self.surface, &mut self.flow, &mut self.substances);
         if let (Some(splash), (Some(surface), Some(flow), Some(substances))) =
             (&mut self.splash, below)
@@ -296,6 +300,15 @@ impl Pot {
                 Ok(report) => self.totals.guard_actions += u64::from(report.guard_actions),
                 Err(_) => self.totals.refused += 1,
             }
+        }
+    }
+
+    /// Waves that die drag the liquid along, if it would be seen at all.
+    fn drift(&mut self, dt_s: f32) {
+        let (Some(surface), Some(flow)) = (&mut self.surface, &mut self.flow) else { return };
+        let gain_m_s = surface.find_drift() * dt_s / self.grid.spacing_m;
+        if gain_m_s > LEAST_DRIFT_M_S {
+            flow.drag_lid(|at| surface.drift_m2_s2(at), dt_s);
         }
     }
 

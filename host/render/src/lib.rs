@@ -20,6 +20,7 @@ pub mod sheet;
 pub mod srgb;
 pub mod svg;
 
+mod drops;
 mod file;
 mod film;
 mod frame;

@@ -5,6 +5,7 @@ use glam::Vec3;
 
 use crate::{
     camera::{Camera, Lens, Ray},
+    drops::Drops,
     film::Film,
     handle::{Handle, Rod},
     image::{Image, Layer, Sample},
@@ -48,6 +49,7 @@ struct Scene {
     lens: Lens,
     walls: Walls,
     rod: Option<Rod>,
+    drops: Drops,
     surface: Surface,
     volume: Volume,
     smoke: Option<Volume>,
@@ -75,6 +77,7 @@ impl Scene {
         Self {
             lens: view.camera.lens(width, height),
             rod: view.handle.as_ref().and_then(Rod::new),
+            drops: Drops::new(snapshot),
             surface: Surface::new(snapshot),
             smoke: snapshot.smoke.as_ref().map(Volume::of_smoke),
             is_wet: snapshot.surface.is_some() || !volume.is_empty(),
@@ -105,7 +108,8 @@ impl Scene {
         };
         let wall = self.walls.hit(ray).map(|hit| (hit, Layer::Vessel));
         let handle = self.rod.as_ref().and_then(|rod| rod.hit(ray)).map(|hit| (hit, Layer::Handle));
-        for ((along_m, colour), layer) in wall.into_iter().chain(handle) {
+        let drop = self.drops.hit(ray).map(|hit| (hit, Layer::Surface));
+        for ((along_m, colour), layer) in wall.into_iter().chain(handle).chain(drop) {
             if along_m < end.along_m {
                 end = End { along_m, colour, layer };
             }

@@ -6,6 +6,7 @@
 //! How it moves is up to a model of the [`INDEX`]. All move without changing the volume below;
 //! what comes and goes as drops is the level, which is kept here.
 
+mod drift;
 mod lattice;
 mod orbits;
 mod params;
@@ -14,6 +15,7 @@ mod tear;
 mod touch;
 mod wave;
 
+pub use drift::Fading;
 pub use lattice::Lattice;
 pub use params::SurfaceParams;
 pub use tear::Torn;
@@ -76,6 +78,12 @@ pub trait Model: Send {
     /// Writes the potential in m^2/s of what moves below along with the surface, and its vertical
     /// speed, in a layer of cells counted from the surface. False for a model that has no below.
     fn orbit(&mut self, _layer: usize, _potential: &mut [f32], _rising_m_s: &mut [f32]) -> bool {
+        false
+    }
+
+    /// Writes how what it computes fades, into fields that have a value for each node. False for a
+    /// model that has no below.
+    fn fade(&mut self, _fading: &mut Fading) -> bool {
         false
     }
 
@@ -146,6 +154,7 @@ pub struct Surface {
     extremes: [f32; 2],
     change: Change,
     under: Vec<(usize, f32)>,
+    fading: Fading,
     /// Heights and speeds of the moment that was looked ahead to; empty before.
     then: [Vec<f32>; 2],
     orbits: Orbits,
@@ -176,6 +185,7 @@ impl Surface {
             extremes: [0.0; 2],
             change: Change::default(),
             under: Vec::new(),
+            fading: Fading::default(),
             then: [Vec::new(), Vec::new()],
             orbits: Orbits::default(),
             layer_m: basin.grid.spacing_m,

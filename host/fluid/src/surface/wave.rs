@@ -18,7 +18,7 @@ mod orbits;
 mod propagator;
 
 use self::{cosines::Cosines, damping::Damping, orbits::Orbits, propagator::Propagator};
-use super::{Act, Answer, Basin, Lattice, Load, Model, ModelRow, SurfaceParams};
+use super::{Act, Answer, Basin, Fading, Lattice, Load, Model, ModelRow, SurfaceParams};
 use crate::{simd::SimdClass, solver::SetupError, vessel::Vessel};
 
 pub(super) const ROW: ModelRow = ModelRow {
@@ -195,6 +195,25 @@ impl Model for Waves {
             }
             self.basis.synthesise(&self.under, nodal);
         }
+        true
+    }
+
+    fn fade(&mut self, fading: &mut Fading) -> bool {
+        self.under.resize(self.modes.len(), 0.0);
+        let Self { under, modes, damping, basis, .. } = self;
+        let mut write = |of: &[f32], is_potential: bool, is_rate: bool, nodal: &mut [f32]| {
+            let all = under.iter_mut().zip(of).zip(modes.iter().zip(damping.iter()));
+            for ((to, of), (mode, damping)) in all {
+                let rate = if is_rate { damping.gamma_per_s as f32 } else { 1.0 };
+                let is_wave = damping.answer_per_m > 0.0;
+                let share = if is_potential { 1.0 / mode.lambda_per_m as f32 } else { 1.0 };
+                *to = if is_wave { rate * share * of } else { 0.0 };
+            }
+            basis.synthesise(under, nodal);
+        };
+        write(&self.amplitude, false, true, &mut fading.height_m_s);
+        write(&self.speed, true, false, &mut fading.potential);
+        write(&self.speed, true, true, &mut fading.potential_per_s);
         true
     }
 

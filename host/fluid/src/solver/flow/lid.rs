@@ -2,9 +2,12 @@
 //! stand higher by its height (Lamb 1932), so this is what the surface is pressed with from below;
 //! the flow itself goes on under its lid, and no inertia is counted twice.
 
-use glam::Vec3;
+use glam::{DVec3, Vec2, Vec3};
 
-use super::{Flow, faces::Faces, field::Layout};
+use super::{
+    Flow, MAX_SPEED_M_S, faces::Faces, field::Layout, ghosts::Fill, pressure::masses,
+    trace::face_in_cells,
+};
 
 /// What the top layer of cells was pressed with in a step.
 pub(super) struct Lid {
@@ -67,6 +70,35 @@ impl Flow {
         let pressed_m_s = lid.at(&self.layout, &self.faces, self.in_cells(point_in_world_m));
         let scale = self.density_kg_m3 * f64::from(self.grid.spacing_m) / lid.step_s;
         scale as f32 * pressed_m_s
+    }
+
+    /// Drags the top layer of cells along by a stress over density, given for x and z at places in
+    /// world metres, held for `dt_s`. Returns the change of [`Flow::momentum_n_s`].
+    pub fn drag_lid(&mut self, stress_m2_s2: impl Fn(Vec3) -> Vec2, dt_s: f32) -> DVec3 {
+        let per_m = dt_s / self.grid.spacing_m;
+        let [nx, ny, nz] = self.layout.cells;
+        let mut change = DVec3::ZERO;
+        let mass = masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()));
+        for c in [0, 2] {
+            for (k, i) in (0..nz).flat_map(|k| (0..nx).map(move |i| (k, i))) {
+                let at = self.layout.index(i, ny - 1, k);
+                if self.faces.open[c][at] <= 0.0 {
+                    continue;
+                }
+                let place = self.grid.origin_in_world_m
+                    + self.grid.spacing_m * face_in_cells(c, i, ny - 1, k);
+                let stress = stress_m2_s2(place);
+                let gain = per_m * if c == 0 { stress.x } else { stress.y };
+                let u = &mut self.velocity[c][at];
+                let before = *u;
+                *u = (*u + gain).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S);
+                let kg = mass.map_or(1.0, |mass| f64::from(mass[c][at]));
+                change[c] += kg * (f64::from(*u) - f64::from(before));
+            }
+        }
+        self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.survey = None;
+        change * self.cell_mass_kg()
     }
 
     /// Counts what the last projection found, for who watches the lid.
