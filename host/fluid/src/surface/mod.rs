@@ -2,6 +2,7 @@
 
 mod motion;
 mod params;
+mod round;
 mod spring;
 
 pub(crate) use params::MOST_SUBSTEPS;
