@@ -10,17 +10,23 @@
 //! They are found for each m by the method of Ritz: polynomials on the disc, and the liquid
 //! below condensed away ([`slice`]).
 
-#![cfg_attr(not(test), allow(dead_code, reason = "the waves that use it come with it"))]
+#![allow(dead_code, unused_imports, reason = "the model of waves that uses it is on its way")]
 
 mod dense;
 mod jacobi;
+mod mirrors;
 mod profile;
+mod sample;
 mod slice;
+mod table;
 mod zernike;
 
 use std::f64::consts::PI;
 
+pub(crate) use mirrors::Nodes;
 pub(crate) use profile::Profile;
+pub(crate) use sample::Wave;
+pub(crate) use table::Table;
 
 use self::{dense::Square, slice::Slice, zernike::Products};
 use crate::solver::Refused;
@@ -47,15 +53,19 @@ impl RadialMode {
     /// f in 1/m at a distance from the axis: the integral over the disc of (f cos(m theta))^2 is
     /// 1, and f is positive at the wall.
     pub fn shape_per_m(&self, r_m: f64) -> f64 {
-        let coefficients = &self.coefficients_per_m;
-        let z = zernike::values(self.waves_around, coefficients.len(), r_m / self.radius_m);
-        z.iter().zip(coefficients).map(|([z, _], c)| z * c).sum()
+        let count = self.coefficients_per_m.len();
+        self.combined(&zernike::values(self.waves_around, count, r_m / self.radius_m))
+    }
+
+    /// f in 1/m where the polynomials of its m have the values `z`.
+    fn combined(&self, z: &[[f64; 2]]) -> f64 {
+        z.iter().zip(&self.coefficients_per_m).map(|([z, _], c)| z * c).sum()
     }
 
     /// From an eigenvector of length 1 and its eigenvalue, that of a stiffness in m.
     fn new(radius_m: f64, m: u32, eigenvalue_m: f64, gradient: &Square, unit: Vec<f64>) -> Self {
-        let rim: f64 =
-            zernike::values(m, unit.len(), 1.0).iter().zip(&unit).map(|(z, c)| z[0] * c).sum();
+        let at_rim = zernike::values(m, unit.len(), 1.0);
+        let rim: f64 = at_rim.iter().zip(&unit).map(|(z, c)| z[0] * c).sum();
         let angle = if m == 0 { 2.0 * PI } else { PI };
         let scale_per_m = rim.signum() / (radius_m * angle.sqrt());
         Self {
