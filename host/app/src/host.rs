@@ -161,6 +161,7 @@ impl<T: Transport> Host<T> {
             self.pot.pour(probe.buttons, dt_s);
         }
         self.pot.step(dt_s);
+        self.pot.look_ahead(1e-6 * ahead_us as f32);
         let Some(tick) = self.session.device_tick(now_us).filter(|_| self.session.is_running())
         else {
             return;

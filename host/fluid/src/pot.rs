@@ -15,7 +15,7 @@ use crate::{
     simd::SimdClass,
     solver::{Setup, SetupError, Sides, Solver, flow::Flow},
     substance::{Properties, Substances},
-    surface::SpringSheet,
+    surface::{Basin, Surface},
     vessel::Vessel,
 };
 
@@ -48,7 +48,7 @@ pub struct Pot {
     palette: Vec<Substance>,
     flow: Option<Flow>,
     substances: Option<Substances>,
-    surface: Option<SpringSheet>,
+    surface: Option<Surface>,
     air: Option<Air>,
     drag: Drag,
     probe_radius_m: f32,
@@ -87,6 +87,9 @@ impl Pot {
         if let (Some(flow), Some(substances)) = (&mut flow, &substances) {
             flow.make_room_for(substances);
         }
+        if let (Some(flow), Some(_)) = (&mut flow, &scene.surface) {
+            flow.watch_lid();
+        }
         let drag = scene.liquid.map_or(Drag::default(), |liquid| {
             Drag::of_sphere(
                 f64::from(scene.probe.radius_m),
@@ -101,7 +104,7 @@ impl Pot {
             palette: scene.substances.clone(),
             substances,
             flow,
-            surface: scene.surface.map(|s| SpringSheet::new(s, &scene.grid, &scene.vessel)),
+            surface: surface_of(scene, simd)?,
             air,
             drag,
             probe_radius_m: scene.probe.radius_m,
@@ -126,7 +129,7 @@ impl Pot {
 
     /// The surface, if the scene has one.
     #[must_use]
-    pub fn surface(&self) -> Option<&SpringSheet> {
+    pub fn surface(&self) -> Option<&Surface> {
         self.surface.as_ref()
     }
 
@@ -147,7 +150,7 @@ impl Pot {
     pub fn plan(&self) -> Vec<Item> {
         let liquid = self.flow.as_ref().map_or_else(|| vec![Item::off("liquid")], Flow::plan);
         let substances = self.substances.as_ref().map(Substances::plan).unwrap_or_default();
-        let sheet = self.surface.as_ref().map(|sheet| ("springs and masses", sheet.bytes()));
+        let sheet = self.surface.as_ref().map(|sheet| (sheet.params().model, sheet.bytes()));
         let surface = Item::if_any("surface", sheet);
         let air = self.air.as_ref().map_or_else(|| vec![Item::off("gas")], Air::plan);
         liquid.into_iter().chain(substances).chain([surface]).chain(air).collect()
@@ -224,6 +227,15 @@ impl Pot {
         }
     }
 
+    /// Looks ahead: the surface tells the field how it will stand `ahead_s` from now, and how the
+    /// liquid around the probe moves along with it.
+    pub fn look_ahead(&mut self, ahead_s: f32) {
+        if let Some(surface) = &mut self.surface {
+            surface.look_ahead(ahead_s);
+            surface.look_below(self.probe_in_world_m);
+        }
+    }
+
     /// One step: the liquid, what it carries, its surface, and what rises from that.
     pub fn step(&mut self, dt_s: f32) {
         self.totals.steps += 1;
@@ -253,7 +265,11 @@ impl Pot {
             }
         }
         if let Some(surface) = &mut self.surface {
-            surface.step(dt_s);
+            if let Some(flow) = self.flow.as_ref().filter(|flow| !flow.is_at_rest()) {
+                surface.press(|at| flow.lid_pressure_pa(at));
+            }
+            let report = surface.step(dt_s);
+            self.totals.guard_actions += u64::from(report.guard_actions);
         }
         if let Some(air) = &mut self.air {
             let surface = self.surface.as_ref();
@@ -286,10 +302,24 @@ impl Pot {
             vessel: self.vessel.clone(),
             liquid_colour: self.liquid_colour,
             substances: self.palette.iter().enumerate().map(view).collect(),
-            surface: self.surface.as_ref().map(SpringSheet::view),
+            surface: self.surface.as_ref().map(Surface::view),
             smoke: self.air.as_ref().map(Air::view),
         }
     }
+}
+
+/// The surface of a scene that has one: on its liquid.
+fn surface_of(scene: &Scene, simd: SimdClass) -> Result<Option<Surface>, SetupError> {
+    let Some((params, liquid)) = scene.surface.zip(scene.liquid) else { return Ok(None) };
+    let basin = Basin {
+        grid: &scene.grid,
+        vessel: &scene.vessel,
+        density_kg_m3: liquid.density_kg_m3,
+        viscosity_m2_s: liquid.viscosity_m2_s,
+        gravity_m_s2: liquid.gravity_m_s2,
+        simd,
+    };
+    Surface::new(params, &basin).map(Some)
 }
 
 /// The substances of a scene: as the liquid where it does not say otherwise.

@@ -160,14 +160,16 @@ impl Baker {
         pot.grid().origin_in_world_m + self.spacing_m * step
     }
 
-    /// Flow velocity in world m/s at the window's nodes; nothing for a scene without liquid.
+    /// Velocity of the liquid in world m/s at the window's nodes, its waves with it; nothing for a
+    /// scene without liquid.
     fn flow(&self, pot: &Pot) -> [Nodes; 3] {
         let mut nodes = [const { Vec::new() }; 3];
         let Some(flow) = pot.flow() else { return nodes };
         for n in 0..NODES * NODES * NODES {
             let at = self.node(pot, [n % NODES, n / NODES % NODES, n / (NODES * NODES)]);
-            let velocity = flow.velocity_linear_at(at).to_array();
-            nodes.iter_mut().zip(velocity).for_each(|(nodes, u)| nodes.push(u));
+            let waves = pot.surface().map_or(Vec3::ZERO, |surface| surface.orbit_m_s(at));
+            let velocity = flow.velocity_linear_at(at) + waves;
+            nodes.iter_mut().zip(velocity.to_array()).for_each(|(nodes, u)| nodes.push(u));
         }
         nodes
     }
@@ -192,7 +194,7 @@ impl Baker {
             }
         }
         if pot.surface().is_some() {
-            head.patch = Some(self.patch(pot, life.ahead_s, origin, &mut samples));
+            head.patch = Some(self.patch(pot, origin, &mut samples));
         }
         Baked { head, samples }
     }
@@ -229,21 +231,15 @@ impl Baker {
         self.drag.scaled((most_n_s_per_m / brisk).min(1.0))
     }
 
-    fn patch(
-        &self,
-        pot: &Pot,
-        ahead_s: f32,
-        [x, _, z]: [f32; 3],
-        samples: &mut Vec<i16>,
-    ) -> PatchHead {
+    fn patch(&self, pot: &Pot, [x, _, z]: [f32; 3], samples: &mut Vec<i16>) -> PatchHead {
         let scale = self.world_from_device.scale;
         let mut values: [Nodes; PatchChannel::COUNT] = [const { Vec::new() }; _];
         for n in 0..NODES * NODES {
             let at = self.node(pot, [n % NODES, 0, n / NODES]);
             let node = pot.surface().map_or([0.0; 4], |surface| {
                 let params = surface.params();
-                let (height_m, speed_m_s) = surface.at(at);
-                let rise_m = surface.rest_height_in_world_m() + height_m + ahead_s * speed_m_s;
+                let (height_m, speed_m_s) = surface.ahead(at);
+                let rise_m = surface.rest_height_in_world_m() + height_m;
                 let height = self.world_from_device.point_in_device([0.0, rise_m, 0.0])[1];
                 [
                     height,

@@ -67,6 +67,8 @@ const POTION: Liquid = Liquid {
 
 /// A skin whose shortest waves still cross the pot in half a second and die within a few.
 const SKIN: SurfaceParams = SurfaceParams {
+    model: "spring",
+    nodes_per_cell: 1,
     areal_mass_kg_m2: 20.0,
     gravity_n_per_m3: 9810.0,
     tension_n_per_m: 5.0,

@@ -57,6 +57,9 @@ impl fmt::Display for Wrong {
 const CELLS: Bound = Bound::new(1.0, 512.0);
 const MOST_CELLS: usize = 128 * 128 * 128;
 
+/// Nodes of a surface in all.
+const MOST_NODES: usize = 512 * 512;
+
 impl Scene {
     /// Checks every number.
     ///
@@ -196,6 +199,12 @@ impl Scene {
 
 fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     const STIFF: Bound = Bound::new(0.0, 1e7);
+    number("surface.nodes_per_cell", surface.nodes_per_cell as f32, Bound::new(1.0, 16.0))?;
+    let [nx, _, nz] = scene.grid.cells.map(|n| n * surface.nodes_per_cell);
+    if nx * nz > MOST_NODES {
+        let must = format!("{nx} x {nz} nodes: at most {MOST_NODES} in all");
+        return Err(wrong("surface.nodes_per_cell", &surface.nodes_per_cell, must));
+    }
     number("surface.areal_mass_kg_m2", surface.areal_mass_kg_m2, Bound::new(1e-3, 1e4))?;
     number("surface.gravity_n_per_m3", surface.gravity_n_per_m3, STIFF)?;
     number("surface.tension_n_per_m", surface.tension_n_per_m, STIFF)?;
@@ -204,22 +213,16 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     number("surface.layer_decay_m", surface.layer_decay_m, Bound::new(1e-4, 1e3))?;
     number("surface.contact_stiffness_n_per_m", surface.contact_stiffness_n_per_m, STIFF)?;
     number("surface.break_force_n", surface.break_force_n, STIFF)?;
-    let substeps = surface.substeps(scene.grid.spacing_m, scene.step_s);
-    let most = crate::surface::MOST_SUBSTEPS;
-    if substeps > most {
-        let must = format!(
-            "too stiff for a step of {} s: {substeps} sub-steps, at most {most}; \
-             lower tension or drag, raise areal_mass_kg_m2, or shorten step_s",
-            scene.step_s
-        );
-        return Err(wrong("surface.tension_n_per_m", &surface.tension_n_per_m, must));
-    }
     let at_the_hand = scene.feel.felt_scale * scene.feel.world_from_device.scale;
     let stiffest = 2000.0 / at_the_hand;
     let stiffness = surface.contact_stiffness_n_per_m;
     number("surface.contact_stiffness_n_per_m", stiffness, Bound::new(0.0, stiffest))?;
     if scene.liquid.is_none() {
         return Err(wrong("surface", &"on", "a surface needs a [liquid]".into()));
+    }
+    if surface.model == "wave" && scene.vessel != Vessel::Box {
+        let must = "must be spring in this vessel: waves need a box".into();
+        return Err(wrong("surface.model", &surface.model, must));
     }
     Ok(())
 }

@@ -16,6 +16,8 @@
 //! gravity_m_s2 = 9.81
 //! colour = [0.8, 0.5, 0.1]
 //! [surface]
+//! model = "wave"
+//! nodes_per_cell = 2
 //! break_force_n = 0.2
 //! [gas]
 //! hotter_k = 30.0
@@ -209,11 +211,11 @@ mod tests {
             ("[liquid]\ndensity_kg_m3 = \"thick\"\n", 2, "density_kg_m3: invalid type"),
             ("\n[grid]\ncells = [32, 32]\n", 3, "cells"),
             ("name = \"x\"\nbase = \"honey\"\n", 2, "base"),
-            ("[surface]\ndrag_n_s_per_m3 = 1e7\n", 2, "sub-steps"),
             ("[probe]\nradius_m = 0.2\n", 2, "probe.radius_m"),
             ("[vessel]\ncentre_m = [1.0, 0.0, 0.0]\n", 2, "vessel.centre_m"),
             ("[liquid\n", 1, ""),
-            ("[surface]\ntension_n_per_m = 1e7\n", 2, "sub-steps"),
+            ("[surface]\nmodel = \"jelly\"\n", 2, "surface.model = jelly"),
+            ("[surface]\nnodes_per_cell = 0\n", 2, "surface.nodes_per_cell = 0"),
             ("base = \"empty\"\n[surface]\nbend = 0.1\n", 2, "no surface"),
             ("[gas]\nvents = 3\n", 1, "no gas"),
             ("base = \"fumes\"\n[gas]\nvents = -3\n", 3, "gas.vents = -3"),

@@ -7,9 +7,9 @@
 use std::{array, ops::Range};
 
 use super::face::Face;
-use crate::solver::flow::{
-    field::{BLOCK, Block, Layout, blocks, blocks_mut, cut, cut_mut},
+use crate::{
     lanes::{each, subtract, times},
+    solver::flow::field::{BLOCK, Block, Layout, blocks, blocks_mut, cut, cut_mut},
 };
 
 /// Columns that a sweep works on at once, in buffers on the stack.

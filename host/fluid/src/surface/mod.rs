@@ -1,10 +1,409 @@
 //! The surface of the liquid: what is seen rippling, and what the probe presses on.
+//!
+//! ```text
+//! touch, press -> load -> model.step -> heights and speeds at the nodes -> at, view
+//! ```
+//! How it moves is up to a model of the [`INDEX`]. All move without changing the volume below;
+//! what comes and goes as drops is the level, which is kept here.
 
-mod motion;
+mod lattice;
+mod orbits;
 mod params;
 mod round;
 mod spring;
+mod touch;
+mod wave;
 
-pub(crate) use params::MOST_SUBSTEPS;
+pub use lattice::Lattice;
 pub use params::SurfaceParams;
-pub use spring::SpringSheet;
+pub use touch::{Act, Answer, Touch};
+
+use glam::Vec3;
+
+use self::orbits::Orbits;
+use crate::{
+    grid::Grid, simd::SimdClass, snapshot::SurfaceView, solver::SetupError, vessel::Vessel,
+};
+
+/// Heights below this, and speeds of as many metres a second, are rest.
+const REST: f32 = 1e-7;
+
+/// No height above this is kept, nor a speed of as many metres a second.
+const MOST: f32 = 1e4;
+
+/// What a surface lies on.
+#[derive(Clone, Copy)]
+pub struct Basin<'a> {
+    /// The box of cells below.
+    pub grid: &'a Grid,
+    /// What holds the liquid.
+    pub vessel: &'a Vessel,
+    /// Density of the liquid.
+    pub density_kg_m3: f32,
+    /// Kinematic viscosity of the liquid.
+    pub viscosity_m2_s: f32,
+    /// Gravity, downwards.
+    pub gravity_m_s2: f32,
+    /// The vector width to work at.
+    pub simd: SimdClass,
+}
+
+/// What acts on a surface during a step.
+#[derive(Clone, Copy, Default)]
+pub struct Load<'a> {
+    /// Bodies.
+    pub touches: &'a [Touch],
+    /// Upward force on each node, if there is any.
+    pub force_n: Option<&'a [f32]>,
+}
+
+/// How a surface moves. Its arrays have a value for each node of the lattice it was made for;
+/// those of dry nodes are 0.
+pub trait Model: Send {
+    /// Moves on by `dt_s`. Returns the number of steps it took.
+    fn step(&mut self, dt_s: f32, load: Load<'_>) -> u32;
+
+    /// Writes heights above rest in metres and vertical speeds in m/s, both without a mean.
+    fn read(&mut self, height_m: &mut [f32], speed_m_s: &mut [f32]);
+
+    /// As [`Model::read`], of the moment `ahead_s` later if nothing acts until then.
+    fn read_ahead(&mut self, ahead_s: f32, height_m: &mut [f32], speed_m_s: &mut [f32]) {
+        self.read(height_m, speed_m_s);
+        height_m.iter_mut().zip(speed_m_s).for_each(|(height, speed)| *height += ahead_s * *speed);
+    }
+
+    /// Writes the potential in m^2/s of what moves below along with the surface, and its vertical
+    /// speed, in a layer of cells counted from the surface. False for a model that has no below.
+    fn orbit(&mut self, _layer: usize, _potential: &mut [f32], _rising_m_s: &mut [f32]) -> bool {
+        false
+    }
+
+    /// Adds to heights and speeds, as far as it can tell: their mean is left out.
+    fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]);
+
+    /// Multiplies heights and speeds, by 0 to be at rest.
+    fn scale(&mut self, factor: f32);
+
+    /// Energy in joules: of motion, of height, and of tension.
+    fn energy_j(&self) -> f64;
+
+    /// Memory that it takes.
+    fn bytes(&self) -> usize;
+}
+
+/// A row of the index.
+#[derive(Clone, Copy)]
+pub struct ModelRow {
+    /// Name in scenes and on the command line.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Makes it.
+    pub make: Make,
+}
+
+/// Makes a model at rest; [`SetupError`] if it knows nothing of such a vessel.
+pub type Make = fn(&SurfaceParams, &Lattice, &Basin<'_>) -> Result<Box<dyn Model>, SetupError>;
+
+/// Every model.
+pub const INDEX: &[ModelRow] = &[wave::ROW, spring::ROW];
+
+/// The row of that name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static ModelRow> {
+    INDEX.iter().find(|row| row.name == name)
+}
+
+/// What a step did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SurfaceReport {
+    /// Steps that the model took; none while asleep.
+    pub substeps: u32,
+    /// 1 if what moved beyond all measure was slowed down.
+    pub guard_actions: u32,
+}
+
+/// The surface.
+pub struct Surface {
+    params: SurfaceParams,
+    lattice: Lattice,
+    model: Box<dyn Model>,
+    height_m: Vec<f32>,
+    speed_m_s: Vec<f32>,
+    /// Bodies of the next step, and room of those before.
+    touches: Vec<Touch>,
+    touching: usize,
+    /// What presses from below in the next step; empty until something does.
+    force_n: Vec<f32>,
+    is_pressed: bool,
+    /// Heights and speeds of the moment that was looked ahead to; empty before.
+    then: [Vec<f32>; 2],
+    orbits: Orbits,
+    layer_m: f32,
+    simd: SimdClass,
+    asleep: bool,
+}
+
+impl Surface {
+    /// A surface at rest on the top of the grid's box.
+    ///
+    /// # Errors
+    /// [`SetupError`] if there is no such model, or it knows nothing of such a vessel.
+    pub fn new(params: SurfaceParams, basin: &Basin<'_>) -> Result<Self, SetupError> {
+        let row = find(params.model)
+            .ok_or(SetupError::Unsupported("surface.model: there is no such model"))?;
+        let lattice = Lattice::over(basin.grid, basin.vessel, params.nodes_per_cell.max(1));
+        let zeros = || vec![0.0; lattice.len()];
+        Ok(Self {
+            model: (row.make)(&params, &lattice, basin)?,
+            height_m: zeros(),
+            speed_m_s: zeros(),
+            touches: Vec::new(),
+            touching: 0,
+            force_n: Vec::new(),
+            is_pressed: false,
+            then: [Vec::new(), Vec::new()],
+            orbits: Orbits::default(),
+            layer_m: basin.grid.spacing_m,
+            simd: basin.simd,
+            asleep: true,
+            params,
+            lattice,
+        })
+    }
+
+    /// What the surface is made of.
+    #[must_use]
+    pub fn params(&self) -> &SurfaceParams {
+        &self.params
+    }
+
+    /// Where its nodes stand.
+    #[must_use]
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// Memory that it takes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let arrays = [&self.height_m, &self.speed_m_s, &self.force_n];
+        let then = self.then.iter().map(Vec::len).sum::<usize>();
+        let nodes = (arrays.iter().map(|a| a.len()).sum::<usize>() + then) * size_of::<f32>();
+        nodes + self.lattice.len() + self.model.bytes()
+    }
+
+    /// True while nothing moves, and a step costs nothing.
+    #[must_use]
+    pub fn is_asleep(&self) -> bool {
+        self.asleep
+    }
+
+    /// World y of the surface at rest.
+    #[must_use]
+    pub fn rest_height_in_world_m(&self) -> f32 {
+        self.lattice.origin_in_world_m.y
+    }
+
+    /// Heights above rest of all nodes.
+    #[must_use]
+    pub fn height_m(&self) -> &[f32] {
+        &self.height_m
+    }
+
+    /// Vertical speeds of all nodes.
+    #[must_use]
+    pub fn speed_m_s(&self) -> &[f32] {
+        &self.speed_m_s
+    }
+
+    /// Energy in joules: of motion, of height, and of tension.
+    #[must_use]
+    pub fn energy_j(&self) -> f64 {
+        if self.asleep { 0.0 } else { self.model.energy_j() }
+    }
+
+    /// Sets height and vertical speed at each place of x and z in world metres. The mean of both
+    /// is left out, and so is what the model cannot tell.
+    pub fn set(&mut self, height_m: impl Fn(f32, f32) -> f32, speed_m_s: impl Fn(f32, f32) -> f32) {
+        for node in 0..self.lattice.len() {
+            let (at, wet) = (self.lattice.in_world_m(node), self.lattice.wet[node]);
+            let known = |value: f32| if wet && value.is_finite() { value } else { 0.0 };
+            self.height_m[node] = known(height_m(at.x, at.z));
+            self.speed_m_s[node] = known(speed_m_s(at.x, at.z));
+        }
+        self.model.scale(0.0);
+        self.model.add(&self.height_m, &self.speed_m_s);
+        self.asleep = false;
+        self.look();
+    }
+
+    /// What a probe of some radius does to the surface at a world place during the next step: it
+    /// pushes by a vertical force in newtons, and damps what is under it. Nodes under the probe
+    /// share both, most in its middle; what is not finite, or beside the liquid, is left out.
+    pub fn touch(&mut self, at_m: Vec3, radius_m: f32, force_n: f32, damping_n_s_per_m: f32) {
+        let idle = force_n == 0.0 && self.asleep;
+        if !idle && (force_n + damping_n_s_per_m).is_finite() {
+            self.put(at_m, radius_m, Touch { force_n, damping_n_s_per_m, ..Touch::default() });
+        }
+    }
+
+    /// Gives what is under a probe `energy_j` at once: up if it is positive, down if not. So what
+    /// a torn membrane held becomes a wave.
+    pub fn kick(&mut self, at_m: Vec3, radius_m: f32, energy_j: f32) {
+        if energy_j != 0.0 && energy_j.is_finite() {
+            self.put(at_m, radius_m, Touch { kick_j: energy_j, ..Touch::default() });
+        }
+    }
+
+    fn put(&mut self, at_m: Vec3, radius_m: f32, touch: Touch) {
+        if !at_m.is_finite() || !radius_m.is_finite() {
+            return;
+        }
+        if self.touches.len() == self.touching {
+            self.touches.push(Touch::default());
+        }
+        let place = &mut self.touches[self.touching];
+        let mut under = std::mem::take(&mut place.under);
+        self.lattice.find_under(at_m, radius_m, &mut under);
+        if !under.is_empty() {
+            self.touching += 1;
+            self.asleep = false;
+        }
+        *place = Touch { under, ..touch };
+    }
+
+    /// The liquid presses from below during the next step, by a pressure in pascal at each place
+    /// in world metres; one that is not finite counts as 0.
+    pub fn press(&mut self, pressure_pa: impl Fn(Vec3) -> f32) {
+        self.force_n.resize(self.lattice.len(), 0.0);
+        let node_m2 = self.lattice.node_m2();
+        let mut is_pressed = false;
+        for (node, force_n) in self.force_n.iter_mut().enumerate() {
+            let at = self.lattice.in_world_m(node);
+            let wanted = if self.lattice.wet[node] { node_m2 * pressure_pa(at) } else { 0.0 };
+            *force_n = if wanted.is_finite() { wanted } else { 0.0 };
+            is_pressed |= *force_n != 0.0;
+        }
+        self.is_pressed = is_pressed;
+        self.asleep &= !is_pressed;
+    }
+
+    /// One step.
+    pub fn step(&mut self, dt_s: f32) -> SurfaceReport {
+        if self.asleep {
+            return SurfaceReport::default();
+        }
+        let load = Load {
+            touches: &self.touches[..self.touching],
+            force_n: self.is_pressed.then_some(&*self.force_n),
+        };
+        let substeps = self.model.step(dt_s, load);
+        (self.touching, self.is_pressed) = (0, false);
+        SurfaceReport { substeps, guard_actions: self.look() }
+    }
+
+    /// Reads the nodes. What is at rest falls asleep; what left all measure is slowed down,
+    /// which is returned as 1.
+    fn look(&mut self) -> u32 {
+        self.model.read(&mut self.height_m, &mut self.speed_m_s);
+        let (rest, guarded) = match self.largest() {
+            most if most < REST => (true, 0),
+            ..=MOST => (false, 0),
+            most if most.is_finite() => {
+                self.model.scale(0.5 * MOST / most);
+                self.model.read(&mut self.height_m, &mut self.speed_m_s);
+                (false, 1)
+            }
+            _ => (true, 1),
+        };
+        if rest {
+            self.model.scale(0.0);
+            self.height_m.fill(0.0);
+            self.speed_m_s.fill(0.0);
+            self.orbits.rest();
+            self.asleep = true;
+        }
+        guarded
+    }
+
+    /// The largest magnitude of height and speed; no number if one of them is none.
+    fn largest(&self) -> f32 {
+        // As numbers of all bits but the sign's, magnitudes keep their order, with NaN above all.
+        let most = self.simd.vectorize(
+            #[inline(always)]
+            || {
+                let all = self.height_m.iter().chain(&self.speed_m_s);
+                all.fold(0, |most, v| most.max(v.to_bits() & !(1 << 31)))
+            },
+        );
+        f32::from_bits(most)
+    }
+
+    /// Height above rest and vertical speed at a world place, in m and m/s.
+    #[must_use]
+    pub fn at(&self, at_in_world_m: Vec3) -> (f32, f32) {
+        if self.asleep {
+            return (0.0, 0.0);
+        }
+        let fields = [&self.height_m, &self.speed_m_s];
+        fields.map(|field| self.between_nodes(field, at_in_world_m)).into()
+    }
+
+    /// Looks ahead: what [`Surface::ahead`] tells is of the moment `ahead_s` from now, if nothing
+    /// acts until then.
+    pub fn look_ahead(&mut self, ahead_s: f32) {
+        if self.asleep {
+            return;
+        }
+        let [height_m, speed_m_s] = &mut self.then;
+        height_m.resize(self.lattice.len(), 0.0);
+        speed_m_s.resize(self.lattice.len(), 0.0);
+        self.model.read_ahead(ahead_s, height_m, speed_m_s);
+    }
+
+    /// As [`Surface::at`], of the moment that was looked ahead to last.
+    #[must_use]
+    pub fn ahead(&self, at_in_world_m: Vec3) -> (f32, f32) {
+        if self.asleep || self.then[0].is_empty() {
+            return self.at(at_in_world_m);
+        }
+        self.then.each_ref().map(|field| self.between_nodes(field, at_in_world_m)).into()
+    }
+
+    fn between_nodes(&self, field: &[f32], at_in_world_m: Vec3) -> f32 {
+        let around = self.lattice.around(at_in_world_m);
+        around.into_iter().map(|(node, share)| share * field[node]).sum()
+    }
+
+    /// Looks below: [`Surface::orbit_m_s`] tells what is at about this place.
+    pub fn look_below(&mut self, at_in_world_m: Vec3) {
+        let depth_m = self.rest_height_in_world_m() - at_in_world_m.y;
+        if !self.asleep && depth_m.is_finite() {
+            self.orbits.find(&mut *self.model, self.lattice.len(), depth_m, self.layer_m);
+        }
+    }
+
+    /// Velocity of the liquid by the waves above it, around where was looked last.
+    #[must_use]
+    pub fn orbit_m_s(&self, at_in_world_m: Vec3) -> Vec3 {
+        self.orbits.at(&self.lattice, at_in_world_m)
+    }
+
+    /// What is drawn.
+    #[must_use]
+    pub fn view(&self) -> SurfaceView {
+        let Lattice { nodes, spacing_m, origin_in_world_m: origin, .. } = self.lattice;
+        SurfaceView {
+            nodes,
+            spacing_m,
+            origin_in_world_m: [origin.x, origin.z],
+            rest_height_in_world_m: origin.y,
+            height_m: self.height_m.clone(),
+            layer_decay_m: self.params.layer_decay_m,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

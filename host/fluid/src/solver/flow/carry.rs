@@ -209,8 +209,8 @@ impl Flow {
 
     /// Projects; obstacles are pressed `times` as hard.
     fn clear_and_count(&mut self, report: &mut StepReport, times: f64) -> Survey {
-        let Projected { iterations, survey } = self.clear_divergence(self.obstacles.is_some());
-        self.press_obstacles(times);
+        let Projected { iterations, survey } = self.clear_divergence(self.keeps_pressure());
+        self.count_pressure(times);
         report.pressure_iterations += iterations;
         self.survey = Some(survey);
         survey

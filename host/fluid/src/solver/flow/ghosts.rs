@@ -16,15 +16,15 @@
 mod line;
 
 use self::line::{Line, copy, extrapolate, mirror, put, set};
-use crate::solver::{
-    Side, Sides,
-    flow::{
-        field::{Field, Layout, Vector},
-        poisson::{
-            Unknowns,
-            basis::{End, Ends},
+use crate::{
+    solver::{
+        Side, Sides,
+        flow::{
+            field::{Field, Layout, Vector},
+            poisson::Unknowns,
         },
     },
+    spectral::basis::{End, Ends},
 };
 
 /// How one side makes its ghosts.

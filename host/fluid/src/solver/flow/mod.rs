@@ -16,7 +16,7 @@ mod inlets;
 mod interface;
 mod inventory;
 mod krylov;
-pub(crate) mod lanes;
+mod lid;
 mod looks;
 mod medium;
 mod mixture;
@@ -50,6 +50,7 @@ use self::{
     faces::{Faces, cells},
     field::{Layout, Vector, components, cut},
     ghosts::{Fill, Ghosts},
+    lid::Lid,
     looks::Looking,
     medium::sound_gravity,
     mixture::{Mixture, working},
@@ -134,6 +135,8 @@ pub struct Flow {
     looks: Option<Box<Looking>>,
     /// What drags it along; `None` if nothing does.
     coupling: Option<Box<Coupling>>,
+    /// What the top is pressed with; `None` unless somebody watches.
+    lid: Option<Lid>,
     force_scale: [f64; 2],
     /// What is known of `velocity`; `None` once it was changed from outside.
     survey: Option<Survey>,
@@ -195,6 +198,7 @@ impl Flow {
             force: None,
             looks: None,
             coupling: None,
+            lid: None,
             force_scale: [1.0; 2],
             survey: None,
             excess_m2_s2: 0.0,

@@ -14,11 +14,9 @@
 //! faces and ghosts is set right afterwards.
 
 use crate::{
+    lanes::{add, each, multiply_add, subtract, times},
     simd::SimdClass,
-    solver::flow::{
-        field::{Block, Layout, Run, Star, blocks, blocks_mut},
-        lanes::{add, each, multiply_add, subtract, times},
-    },
+    solver::flow::field::{Block, Layout, Run, Star, blocks, blocks_mut},
 };
 
 /// What a stage reads.

@@ -8,21 +8,14 @@
 //! modes. A plane is transformed as a whole while it is in the nearest cache; between the two
 //! transforms stands one array of modes, in which the columns along z are solved in place.
 
-pub mod basis;
 mod column;
-mod product;
-mod transform;
 
-use self::{
-    basis::Ends,
-    column::{Columns, WIDTH},
-    product::{Rows, multiply},
-    transform::Transform,
-};
+use self::column::{Columns, WIDTH};
 use crate::{
     pool::{Partial, Pool, Turn},
     simd::SimdClass,
     solver::flow::field::{BLOCK, Field, Layout, cut},
+    spectral::{Rows, Transform, basis::Ends, multiply},
 };
 
 /// Values in a row of modes are a multiple of this.

@@ -67,6 +67,9 @@ impl Flow {
         self.set_friction();
         self.dress(dt_s);
         self.open_coupling();
+        if let Some(lid) = &mut self.lid {
+            lid.open(dt_s);
+        }
         if self.survey.is_none() {
             self.set_drive();
         }
@@ -162,11 +165,14 @@ impl Flow {
             }
         }
         let is_learnt = matches!(scheme, Scheme::Central | Scheme::MultistepImplicit);
-        let is_kept = is_learnt || self.obstacles.is_some();
+        let is_kept = is_learnt || self.keeps_pressure();
         let Projected { iterations, survey } = self.clear_divergence(is_kept);
         report.pressure_iterations += iterations;
-        self.press_obstacles(1.0);
+        self.count_pressure(1.0);
         if is_learnt {
+            if let Some(lid) = &mut self.lid {
+                lid.press(&self.layout, &self.pressure.next, part.dt_s);
+            }
             if let Some(obstacles) = &mut self.obstacles {
                 obstacles.press(&self.layout, &self.faces, &self.pressure.next, part.dt_s);
             }
@@ -212,8 +218,14 @@ impl Flow {
         self.faces.solids().is_some_and(|solids| solids.is_moving)
     }
 
-    /// Counts the last projection as a push on obstacles.
-    pub(super) fn press_obstacles(&mut self, times: f64) {
+    /// True if somebody wants to know what a projection finds.
+    pub(super) fn keeps_pressure(&self) -> bool {
+        self.obstacles.is_some() || self.lid.is_some()
+    }
+
+    /// Counts the last projection as a push on obstacles and lid.
+    pub(super) fn count_pressure(&mut self, times: f64) {
+        self.press_lid(times);
         if let Some(obstacles) = &mut self.obstacles {
             obstacles.press(&self.layout, &self.faces, self.projection.found(), times);
         }

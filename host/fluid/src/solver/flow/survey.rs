@@ -1,11 +1,11 @@
 //! All that a step decides on and reports, in one pass over the velocity.
 
 use crate::{
+    lanes::{add, multiply_add, times},
     simd::SimdClass,
     solver::flow::{
         engine::Engine,
         field::{BLOCK, Block, Largest, Layout, Run, Vector, blocks, cut},
-        lanes::{add, multiply_add, times},
     },
 };
 

@@ -15,14 +15,12 @@
 //! The constant mode of a closed box is singular: its last pivot is 0 and counts as infinite,
 //! which makes its even part 0 in the middle.
 
-use super::basis::{End, Ends};
 use crate::{
+    lanes::{add, multiply_add, subtract, times},
     pool::Column,
     simd::SimdClass,
-    solver::flow::{
-        field::Field,
-        lanes::{add, multiply_add, subtract, times},
-    },
+    solver::flow::field::Field,
+    spectral::basis::{End, Ends},
 };
 
 /// Values of a plane that lie together in a column.

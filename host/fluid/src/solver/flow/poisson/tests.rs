@@ -1,9 +1,6 @@
 //! The solver against its operator, for all kinds of ends.
 
-use super::{
-    Modal, Poisson, Room, Stored, Unknowns,
-    basis::{End, Ends},
-};
+use super::{Modal, Poisson, Room, Stored, Unknowns};
 use crate::{
     pool::Pool,
     simd::SimdClass,
@@ -11,6 +8,7 @@ use crate::{
         faces::cells,
         field::{Field, Layout},
     },
+    spectral::basis::{End, Ends},
 };
 
 const HALF_OPEN: Ends = Ends::Between([End::Closed, End::Open]);

@@ -2,13 +2,13 @@
 
 use super::{Telling, rested};
 use crate::{
+    lanes::{each, subtract},
     pool::Partial,
     simd::SimdClass,
     solver::flow::{
         engine::Engine,
         faces::Faces,
         field::{Block, Layout, Run, blocks, blocks_mut, cut, cut_mut},
-        lanes::{each, subtract},
         survey::survey_blocks,
     },
 };

@@ -1,6 +1,6 @@
 //! Products of small dense matrices.
 
-use crate::{simd::SimdClass, solver::flow::lanes::multiply_add};
+use crate::{lanes::multiply_add, simd::SimdClass};
 
 /// A matrix in memory: the values, and the distance from one row to the next.
 #[derive(Clone, Copy)]

@@ -15,7 +15,7 @@
 use std::ops::Range;
 
 use super::basis::{Ends, Mode, modes};
-use crate::solver::flow::lanes::{add, reversed, subtract};
+use crate::lanes::{add, reversed, subtract};
 
 /// Values that are folded together.
 const BLOCK: usize = 8;
@@ -86,6 +86,11 @@ impl Transform {
         self.eigenvalues.extend(modes.iter().map(|mode| mode.eigenvalue));
         self.eigenvalues.resize(self.len, 1.0);
         self.parts.push(part);
+    }
+
+    /// True for the modes in a row of them, false for pads.
+    pub fn is_mode(&self, at: usize) -> bool {
+        self.parts.iter().any(|part| (part.start..part.start + part.count).contains(&at))
     }
 
     /// Scales what the transform gives by `factor`.

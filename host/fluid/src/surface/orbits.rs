@@ -1,0 +1,60 @@
+//! What moves below along with the surface, near the probe: what it feels beside the flow.
+
+use glam::Vec3;
+
+use super::{Lattice, Model};
+
+/// Layers of cells that are kept: as many as a field around the probe has, and one on each side.
+const LAYERS: usize = 12;
+
+/// A few layers of the potential flow below the surface.
+#[derive(Default)]
+pub struct Orbits {
+    /// The first layer that is kept, counted from the surface; `None` while nothing moves.
+    first: Option<usize>,
+    layer_m: f32,
+    /// By layer: potential and vertical speed at the nodes of the lattice.
+    layers: Vec<[Vec<f32>; 2]>,
+}
+
+impl Orbits {
+    /// Forgets what is kept: nothing moves.
+    pub fn rest(&mut self) {
+        self.first = None;
+    }
+
+    /// Keeps the layers around a depth, of cells of this height; none if the model has none.
+    pub fn find(&mut self, model: &mut dyn Model, nodes: usize, depth_m: f32, layer_m: f32) {
+        let middle = (depth_m / layer_m).max(0.0) as usize;
+        let first = middle.saturating_sub(LAYERS / 2);
+        self.layers.resize_with(LAYERS, || [(); 2].map(|()| vec![0.0; nodes]));
+        self.layer_m = layer_m;
+        let mut layers = self.layers.iter_mut().enumerate();
+        let found = layers.all(|(n, [phi, rising])| model.orbit(first + n, phi, rising));
+        self.first = found.then_some(first);
+    }
+
+    /// Velocity at a place; what is beside the layers is taken for the nearest of them.
+    pub fn at(&self, lattice: &Lattice, at_in_world_m: Vec3) -> Vec3 {
+        let Some(first) = self.first else { return Vec3::ZERO };
+        let depth_m = lattice.origin_in_world_m.y - at_in_world_m.y;
+        let place = (depth_m / self.layer_m - first as f32).max(0.0).min((LAYERS - 1) as f32);
+        let below = (place as usize).min(LAYERS - 2);
+        let share = place - below as f32;
+        let [upper, lower] = [below, below + 1].map(|n| self.in_layer(n, lattice, at_in_world_m));
+        upper.lerp(lower, share)
+    }
+
+    fn in_layer(&self, layer: usize, lattice: &Lattice, at: Vec3) -> Vec3 {
+        let [phi, rising_m_s] = &self.layers[layer];
+        let value = |field: &[f32], at: Vec3| -> f32 {
+            lattice.around(at).iter().map(|(node, share)| share * field[*node]).sum()
+        };
+        // Half a node to both sides: at a wall there is nothing beyond, and no flow through it.
+        let half = 0.5 * lattice.spacing_m;
+        let slope = |axis: Vec3| {
+            (value(phi, at + half * axis) - value(phi, at - half * axis)) / lattice.spacing_m
+        };
+        Vec3::new(slope(Vec3::X), value(rising_m_s, at), slope(Vec3::Z))
+    }
+}

@@ -1,0 +1,242 @@
+//! Linear waves of gravity and tension, exact for each mode and any step.
+//!
+//! The surface is a sum of modes psi_j of the vessel, the integral of psi_j^2 being 1. Of each the
+//! amplitude a and its speed w are kept; per density of the liquid
+//!
+//! ```text
+//! a' = w,   w' = K f - 2 gamma w - K G a
+//! G = g + sigma k^2 / rho,    K = lambda R,    lambda = k tanh(k h) in a box
+//! ```
+//! with f the force on the mode. Viscosity is that of Lamb (1932, art. 349) on deep liquid, whose
+//! two roots give gamma and R ([`damping`]): 2 nu k^2 and 1 for waves, and an honest creep where
+//! nothing swings. The solution over a step with a force that is held is a matrix for each mode,
+//! computed once for a step's length.
+
+mod cosines;
+mod damping;
+mod orbits;
+mod propagator;
+
+use self::{cosines::Cosines, damping::Damping, orbits::Orbits, propagator::Propagator};
+use super::{Act, Answer, Basin, Lattice, Load, Model, ModelRow, SurfaceParams};
+use crate::{simd::SimdClass, solver::SetupError, vessel::Vessel};
+
+pub(super) const ROW: ModelRow = ModelRow {
+    name: "wave",
+    about: "linear waves of gravity and tension, exact in time",
+    make: |params, lattice, basin| Ok(Box::new(Waves::new(params, lattice, basin)?)),
+};
+
+/// One mode of a vessel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mode {
+    /// Vertical speed over potential at the surface.
+    pub lambda_per_m: f64,
+    /// Root of the integral of the squared gradient.
+    pub wavenumber_per_m: f64,
+}
+
+/// What all modes have in common.
+#[derive(Clone, Copy, Debug)]
+struct Liquid {
+    density_kg_m3: f64,
+    gravity_m_s2: f64,
+    viscosity_m2_s: f64,
+    tension_n_per_m: f64,
+    drag_n_s_per_m3: f64,
+}
+
+/// The waves.
+struct Waves {
+    basis: Cosines,
+    simd: SimdClass,
+    density_kg_m3: f64,
+    modes: Vec<Mode>,
+    damping: Vec<Damping>,
+    orbits: Orbits,
+    /// Of each mode, as [`Damping::answer_per_m`].
+    answer_per_m: Vec<f32>,
+    amplitude: Vec<f32>,
+    speed: Vec<f32>,
+    propagator: Propagator,
+    /// To a moment that is not there yet, and what it will be then.
+    ahead: Propagator,
+    then: [Vec<f32>; 2],
+    /// Force on each mode, and what one touch adds to it; empty until needed.
+    force: Vec<f32>,
+    under: Vec<f32>,
+    /// Values at the nodes on their way to the modes.
+    nodal: Vec<f32>,
+}
+
+impl Waves {
+    fn new(
+        params: &SurfaceParams,
+        lattice: &Lattice,
+        basin: &Basin<'_>,
+    ) -> Result<Self, SetupError> {
+        if *basin.vessel != Vessel::Box {
+            return Err(SetupError::Unsupported("surface.model: waves need a box"));
+        }
+        let depth_m = basin.grid.cells[1] as f64 * f64::from(basin.grid.spacing_m);
+        let basis = Cosines::new(lattice, basin.simd);
+        let liquid = Liquid {
+            density_kg_m3: f64::from(basin.density_kg_m3),
+            gravity_m_s2: f64::from(basin.gravity_m_s2),
+            viscosity_m2_s: f64::from(basin.viscosity_m2_s),
+            tension_n_per_m: f64::from(params.tension_n_per_m),
+            drag_n_s_per_m3: f64::from(params.drag_n_s_per_m3),
+        };
+        let modes: Vec<_> = basis.modes(depth_m).collect();
+        let damping: Vec<_> = modes.iter().map(|mode| Damping::of(*mode, &liquid)).collect();
+        let zeros = || vec![0.0; modes.len()];
+        Ok(Self {
+            simd: basin.simd,
+            answer_per_m: damping.iter().map(|mode| mode.answer_per_m as f32).collect(),
+            density_kg_m3: liquid.density_kg_m3,
+            amplitude: zeros(),
+            speed: zeros(),
+            propagator: Propagator::default(),
+            ahead: Propagator::default(),
+            then: [Vec::new(), Vec::new()],
+            orbits: Orbits::new(depth_m, f64::from(basin.grid.spacing_m)),
+            force: Vec::new(),
+            under: Vec::new(),
+            nodal: vec![0.0; lattice.len()],
+            basis,
+            modes,
+            damping,
+        })
+    }
+
+    /// Force on each mode, per density; kicks and dampers act at once. False if there is none.
+    fn take(&mut self, dt_s: f32, load: Load<'_>) -> bool {
+        let per_density = (1.0 / self.density_kg_m3) as f32;
+        let len = self.modes.len();
+        self.force.resize(len, 0.0);
+        match load.force_n {
+            Some(force_n) => {
+                self.basis.analyse(force_n, &mut self.force);
+                self.force.iter_mut().for_each(|force| *force *= per_density);
+            }
+            None if load.touches.is_empty() => return false,
+            None => self.force.fill(0.0),
+        }
+        for touch in load.touches {
+            self.under.resize(len, 0.0);
+            self.basis.analyse_few(&touch.under, &mut self.under);
+            let act = if touch.is_sudden() {
+                touch.act(self.answer(), dt_s)
+            } else {
+                Act { impulse_n_s: 0.0, force_n: f64::from(touch.force_n) }
+            };
+            let [impulse, force] =
+                [act.impulse_n_s, act.force_n].map(|n| (n / self.density_kg_m3) as f32);
+            let Self { under, speed, force: forces, answer_per_m, .. } = self;
+            let forces = forces.iter_mut().zip(speed).zip(under).zip(answer_per_m);
+            for (((to, speed), under), answer) in forces {
+                *speed += impulse * *answer * *under;
+                *to += force * *under;
+            }
+        }
+        true
+    }
+
+    /// How the modes answer what is `under`.
+    fn answer(&self) -> Answer {
+        const LANES: usize = 8;
+        let arrays =
+            [&self.under, &self.speed, &self.answer_per_m].map(|a| a.as_chunks::<LANES>().0);
+        let [mut speed, mut per_kg] = [[0.0; LANES]; 2];
+        for ((under, w), answer) in arrays[0].iter().zip(arrays[1]).zip(arrays[2]) {
+            for i in 0..LANES {
+                let [under, w, answer] = [under[i], w[i], answer[i]].map(f64::from);
+                speed[i] += under * w;
+                per_kg[i] += under * under * answer;
+            }
+        }
+        Answer {
+            speed_m_s: speed.iter().sum(),
+            per_kg: per_kg.iter().sum::<f64>() / self.density_kg_m3,
+        }
+    }
+}
+
+impl Model for Waves {
+    fn step(&mut self, dt_s: f32, load: Load<'_>) -> u32 {
+        let is_forced = self.take(dt_s, load);
+        self.propagator.set_step(&self.damping, f64::from(dt_s));
+        let force = is_forced.then_some(&*self.force);
+        self.propagator.step(self.simd, [&mut self.amplitude, &mut self.speed], force);
+        1
+    }
+
+    fn read(&mut self, height_m: &mut [f32], speed_m_s: &mut [f32]) {
+        self.basis.synthesise(&self.amplitude, height_m);
+        self.basis.synthesise(&self.speed, speed_m_s);
+    }
+
+    fn read_ahead(&mut self, ahead_s: f32, height_m: &mut [f32], speed_m_s: &mut [f32]) {
+        let [amplitude, speed] = &mut self.then;
+        amplitude.clone_from(&self.amplitude);
+        speed.clone_from(&self.speed);
+        self.ahead.set_step(&self.damping, f64::from(ahead_s));
+        self.ahead.step(self.simd, [amplitude, speed], None);
+        self.basis.synthesise(amplitude, height_m);
+        self.basis.synthesise(speed, speed_m_s);
+    }
+
+    fn orbit(&mut self, layer: usize, potential: &mut [f32], rising_m_s: &mut [f32]) -> bool {
+        let shares = self.orbits.layer(layer, &self.modes);
+        self.under.resize(self.modes.len(), 0.0);
+        for (shares, nodal) in shares.iter().zip([potential, rising_m_s]) {
+            for ((to, share), speed) in self.under.iter_mut().zip(shares).zip(&self.speed) {
+                *to = share * speed;
+            }
+            self.basis.synthesise(&self.under, nodal);
+        }
+        true
+    }
+
+    fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]) {
+        self.under.resize(self.modes.len(), 0.0);
+        let own = [&mut self.amplitude, &mut self.speed];
+        for (own, more) in own.into_iter().zip([height_m, speed_m_s]) {
+            self.basis.weigh(more, &mut self.nodal);
+            self.basis.analyse(&self.nodal, &mut self.under);
+            for ((own, more), answer) in own.iter_mut().zip(&self.under).zip(&self.answer_per_m) {
+                // The constant mode is the volume, which is kept.
+                *own += if *answer > 0.0 { *more } else { 0.0 };
+            }
+        }
+    }
+
+    fn scale(&mut self, factor: f32) {
+        // What is no number is to be 0 where all is.
+        let scaled = |v: &mut f32| *v = if factor == 0.0 { 0.0 } else { *v * factor };
+        self.amplitude.iter_mut().chain(&mut self.speed).for_each(scaled);
+    }
+
+    fn energy_j(&self) -> f64 {
+        let pairs = self.amplitude.iter().zip(&self.speed).zip(&self.damping);
+        let energy = pairs.filter(|(_, mode)| mode.answer_per_m > 0.0).map(|((a, w), mode)| {
+            let [a, w] = [a, w].map(|v| f64::from(*v));
+            w * w / mode.answer_per_m + mode.stiffness_m_s2 * a * a
+        });
+        0.5 * self.density_kg_m3 * energy.sum::<f64>()
+    }
+
+    fn bytes(&self) -> usize {
+        let arrays = [&self.amplitude, &self.speed, &self.force, &self.under, &self.nodal];
+        arrays.map(|a| size_of_val(a.as_slice())).iter().sum::<usize>()
+            + size_of_val(self.modes.as_slice())
+            + size_of_val(self.damping.as_slice())
+            + self.orbits.bytes()
+            + self.ahead.bytes()
+            + self.propagator.bytes()
+            + self.basis.bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests;
