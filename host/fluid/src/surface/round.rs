@@ -8,7 +8,7 @@
 //! of first order in the capillarity for others.
 //!
 //! They are found for each m by the method of Ritz: polynomials on the disc, and the liquid
-//! below condensed away ([`slice`]).
+//! below condensed away ([`mod@slice`]).
 
 #![allow(dead_code, unused_imports, reason = "the model of waves that uses it is on its way")]
 
@@ -23,7 +23,6 @@ mod zernike;
 
 use std::f64::consts::PI;
 
-pub(crate) use mirrors::Nodes;
 pub(crate) use profile::Profile;
 pub(crate) use sample::Wave;
 pub(crate) use table::Table;

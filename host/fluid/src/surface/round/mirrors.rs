@@ -6,27 +6,7 @@
 
 use std::array::from_fn;
 
-/// Nodes of a surface: a lattice over x and z, x fastest.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Nodes<'a> {
-    /// Nodes along x and z.
-    pub count: [usize; 2],
-    /// Way from one to the next.
-    pub spacing_m: f64,
-    /// x and z of the first.
-    pub first_in_world_m: [f64; 2],
-    /// Which of them are over the liquid.
-    pub wet: &'a [bool],
-}
-
-impl Nodes<'_> {
-    /// x and z of a node, from a place.
-    pub fn offset_m(&self, node: usize, [x_m, z_m]: [f64; 2]) -> [f64; 2] {
-        let [i, k] = [node % self.count[0], node / self.count[0]].map(|i| i as f64);
-        let [first_x_m, first_z_m] = self.first_in_world_m;
-        [first_x_m + i * self.spacing_m - x_m, first_z_m + k * self.spacing_m - z_m]
-    }
-}
+use crate::surface::Lattice;
 
 /// A node and its images: itself, mirrored along x, along z, and along both. Where there is no
 /// mirror, or a node on it, they are the same.
@@ -52,13 +32,13 @@ pub struct Mirrors {
 
 impl Mirrors {
     /// The mirrors through a point at `axis_in_world_m`.
-    pub fn new(nodes: &Nodes<'_>, axis_in_world_m: [f64; 2]) -> Self {
-        let [nx, nz] = nodes.count;
-        let is_wet = |[i, k]: [usize; 2]| i < nx && k < nz && nodes.wet[i + nx * k];
+    pub fn new(lattice: &Lattice, axis_in_world_m: [f64; 2]) -> Self {
+        let [nx, nz] = lattice.nodes;
+        let is_wet = |[i, k]: [usize; 2]| i < nx && k < nz && lattice.wet[i + nx * k];
         let wet: Vec<_> = (0..nx * nz).map(|n| [n % nx, n / nx]).filter(|at| is_wet(*at)).collect();
-        let twice: [f64; 2] = from_fn(|axis| {
-            2.0 * (axis_in_world_m[axis] - nodes.first_in_world_m[axis]) / nodes.spacing_m
-        });
+        let (first_m, spacing_m) = (first_in_world_m(lattice), f64::from(lattice.spacing_m));
+        let twice: [f64; 2] =
+            from_fn(|axis| 2.0 * (axis_in_world_m[axis] - first_m[axis]) / spacing_m);
         // What is mirrored to before the first node wraps around, to a place that is not wet.
         let mirror = |at: [usize; 2], axis: usize| {
             let mut mirrored = at;
@@ -78,10 +58,19 @@ impl Mirrors {
         });
         let images = images.collect();
         let moved = |axis: usize| {
-            let to_m = 0.5 * twice[axis].round() * nodes.spacing_m + nodes.first_in_world_m[axis];
+            let to_m = 0.5 * twice[axis].round() * spacing_m + first_m[axis];
             if mirrored[axis] { to_m } else { axis_in_world_m[axis] }
         };
         Self { mirrored, axis_in_world_m: from_fn(moved), images }
+    }
+
+    /// x and z of a node, from the axis.
+    pub fn offset_m(&self, lattice: &Lattice, node: usize) -> [f64; 2] {
+        let first_m = first_in_world_m(lattice);
+        let at = [node % lattice.nodes[0], node / lattice.nodes[0]].map(|i| i as f64);
+        from_fn(|axis| {
+            first_m[axis] + at[axis] * f64::from(lattice.spacing_m) - self.axis_in_world_m[axis]
+        })
     }
 
     /// Class of a shape in [`SIGNS`] that is odd along x and z or not.
@@ -89,6 +78,10 @@ impl Mirrors {
         let [x, z] = from_fn(|axis| usize::from(is_odd[axis] && self.mirrored[axis]));
         x + 2 * z
     }
+}
+
+fn first_in_world_m(lattice: &Lattice) -> [f64; 2] {
+    [lattice.origin_in_world_m.x, lattice.origin_in_world_m.z].map(f64::from)
 }
 
 /// How many nodes the images are, over their number.

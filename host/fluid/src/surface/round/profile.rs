@@ -14,7 +14,7 @@ use crate::{
 pub struct Piece {
     /// Depth of its lower end.
     pub down_to_m: f64,
-    /// The squared radius at depth d is c[0] + c[1] d + c[2] d^2.
+    /// Of these numbers a, b, c: the squared radius at the depth d is a + b d + c d^2.
     pub square: [f64; 3],
 }
 

@@ -8,12 +8,12 @@
 use super::{
     RadialMode,
     dense::dot,
-    mirrors::{Mirrors, Nodes, share},
+    mirrors::{Mirrors, share},
     modes,
     profile::Profile,
     zernike,
 };
-use crate::{simd::SimdClass, solver::Refused};
+use crate::{simd::SimdClass, solver::Refused, surface::Lattice};
 
 /// More shapes than these are not kept: a step takes a time that is proportional to them.
 const MOST_SHAPES: usize = 400;
@@ -44,18 +44,19 @@ type Sampled = (Wave, Vec<f64>);
 /// [`Refused`] if the spacing is not positive.
 pub fn sample(
     profile: &Profile,
-    nodes: &Nodes<'_>,
+    lattice: &Lattice,
     mirrors: &Mirrors,
     simd: SimdClass,
 ) -> Result<[Vec<Sampled>; 4], Refused> {
-    let modes = modes(profile, MOST_SHAPES, NODES_A_WAVE * nodes.spacing_m)?;
+    let spacing_m = f64::from(lattice.spacing_m);
+    let modes = modes(profile, MOST_SHAPES, NODES_A_WAVE * spacing_m)?;
     // Shapes times the root of the area that a node stands for have plain products.
-    let root_m = |images| 2.0 * f64::from(share(images)).sqrt() * nodes.spacing_m;
+    let root_m = |images| 2.0 * f64::from(share(images)).sqrt() * spacing_m;
     let roots_m: Vec<f64> = mirrors.images.iter().map(root_m).collect();
     let mut constant = roots_m.clone();
     orthonormalise(&mut constant, &[], simd);
     let mut classes: [Vec<Sampled>; 4] = Default::default();
-    for (mode, both) in modes.iter().zip(shapes_per_m(&modes, profile, nodes, mirrors)) {
+    for (mode, both) in modes.iter().zip(shapes_per_m(&modes, profile, lattice, mirrors)) {
         for (is_sine, mut shape) in [false, true].into_iter().zip(both).take(mode.shapes()) {
             let class = mirrors.class([(mode.waves_around % 2 == 1) != is_sine, is_sine]);
             let mut others: Vec<&[f64]> =
@@ -82,7 +83,7 @@ pub fn sample(
 fn shapes_per_m(
     modes: &[RadialMode],
     profile: &Profile,
-    nodes: &Nodes<'_>,
+    lattice: &Lattice,
     mirrors: &Mirrors,
 ) -> Vec<[Vec<f64>; 2]> {
     let mut all: Vec<[Vec<f64>; 2]> = vec![Default::default(); modes.len()];
@@ -96,7 +97,7 @@ fn shapes_per_m(
             continue;
         };
         for images in &mirrors.images {
-            let [x_m, z_m] = nodes.offset_m(images[0] as usize, mirrors.axis_in_world_m);
+            let [x_m, z_m] = mirrors.offset_m(lattice, images[0] as usize);
             let (sine, cosine) = (f64::from(m) * z_m.atan2(x_m)).sin_cos();
             let z = zernike::values(m, count, x_m.hypot(z_m) / profile.radius_m());
             for (n, mode) in modes.iter().enumerate().filter(of_m) {

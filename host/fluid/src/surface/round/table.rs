@@ -6,14 +6,11 @@
 use std::{array::from_fn, ops::Range};
 
 use super::{
-    mirrors::{Images, Mirrors, Nodes, SIGNS, fold, share},
+    mirrors::{Images, Mirrors, SIGNS, fold, share},
     profile::Profile,
     sample::{Wave, sample},
 };
-use crate::{
-    simd::SimdClass,
-    solver::{Refused, flow::lanes::multiply_add},
-};
+use crate::{lanes::multiply_add, simd::SimdClass, solver::Refused, surface::Lattice};
 
 /// Values that kernels take at once.
 const LANES: usize = 16;
@@ -26,6 +23,7 @@ type Tile = [Block; VECTORS];
 /// The waves of a vessel at the nodes of a lattice.
 pub(crate) struct Table {
     simd: SimdClass,
+    node_m2: f32,
     mirrors: Mirrors,
     waves: Vec<Wave>,
     /// Waves of each class of [`SIGNS`].
@@ -39,13 +37,13 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// The waves of a round vessel at some nodes, all that these resolve but no more than 400.
+    /// The waves of a round vessel at the nodes of a lattice, all that these resolve but no more than 400.
     ///
     /// # Errors
     /// [`Refused`] if the spacing is not positive.
-    pub fn new(profile: &Profile, nodes: &Nodes<'_>, simd: SimdClass) -> Result<Self, Refused> {
-        let mirrors = Mirrors::new(nodes, profile.axis_in_world_m);
-        let sampled = sample(profile, nodes, &mirrors, simd)?;
+    pub fn new(profile: &Profile, lattice: &Lattice, simd: SimdClass) -> Result<Self, Refused> {
+        let mirrors = Mirrors::new(lattice, profile.axis_in_world_m);
+        let sampled = sample(profile, lattice, &mirrors, simd)?;
         let count = sampled.iter().map(Vec::len).sum::<usize>();
         let mut waves = Vec::with_capacity(count);
         let tiles = mirrors.images.len().div_ceil(LANES * VECTORS);
@@ -62,14 +60,23 @@ impl Table {
             }
             from..waves.len()
         });
-        let mut places = vec![None; nodes.wet.len()];
+        let mut places = vec![None; lattice.len()];
         for (n, images) in mirrors.images.iter().enumerate() {
             for (image, node) in images.iter().enumerate().rev() {
                 places[*node as usize] = Some((n as u32, image as u8));
             }
         }
         let sums = vec![[0.0; LANES]; waves.len()];
-        Ok(Self { simd, mirrors, waves, classes, psi_per_m, places, sums })
+        Ok(Self {
+            simd,
+            node_m2: lattice.node_m2(),
+            mirrors,
+            waves,
+            classes,
+            psi_per_m,
+            places,
+            sums,
+        })
     }
 
     /// The waves, in the order of all arrays of them.
@@ -83,6 +90,11 @@ impl Table {
             + size_of_val(self.places.as_slice())
             + size_of_val(self.mirrors.images.as_slice())
             + size_of_val(self.sums.as_slice())
+    }
+
+    /// Values at nodes times the area that each stands for.
+    pub fn weigh(&self, values: &[f32], weighed: &mut [f32]) {
+        values.iter().zip(weighed).for_each(|(value, weighed)| *weighed = self.node_m2 * value);
     }
 
     /// Of each wave the sum over the wet nodes of a value times the wave there, in 1/m.

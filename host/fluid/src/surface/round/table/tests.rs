@@ -2,49 +2,47 @@
 
 use std::f64::consts::PI;
 
+use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::surface::round::{RadialMode, modes, profile::Piece};
+use crate::{
+    Grid, Vessel,
+    surface::round::{RadialMode, modes, profile::Piece},
+};
 
 /// A lattice over the square from -1 to 1 and an upright cylinder in it.
 struct Case {
-    count: [usize; 2],
-    spacing_m: f64,
-    first_in_world_m: [f64; 2],
-    wet: Vec<bool>,
+    lattice: Lattice,
     profile: Profile,
 }
 
 impl Case {
-    fn new(along: usize, axis_in_world_m: [f64; 2], radius_m: f64) -> Self {
-        let spacing_m = 2.0 / along as f64;
-        let place = |i: usize| spacing_m * (i as f64 + 0.5) - 1.0;
-        let [x_m, z_m] = axis_in_world_m;
-        let is_wet = |n| (place(n % along) - x_m).hypot(place(n / along) - z_m) < radius_m;
-        let pieces = vec![Piece { down_to_m: 0.7, square: [radius_m * radius_m, 0.0, 0.0] }];
-        Self {
-            count: [along; 2],
+    fn new(along: usize, [x_m, z_m]: [f32; 2], radius_m: f32) -> Self {
+        let spacing_m = 2.0 / along as f32;
+        let grid = Grid {
+            cells: [along, 1, along],
             spacing_m,
-            first_in_world_m: [place(0); 2],
-            wet: (0..along * along).map(is_wet).collect(),
-            profile: Profile::new(axis_in_world_m, pieces).unwrap(),
+            origin_in_world_m: Vec3::new(-1.0, -spacing_m, -1.0),
+        };
+        let centre_in_world_m = Vec3::new(x_m, 0.0, z_m);
+        let vessel = Vessel::Cylinder { centre_in_world_m, axis: Vec3::Y, radius_m };
+        let pieces =
+            vec![Piece { down_to_m: 0.7, square: [f64::from(radius_m).powi(2), 0.0, 0.0] }];
+        Self {
+            lattice: Lattice::over(&grid, &vessel, 1),
+            profile: Profile::new([x_m, z_m].map(f64::from), pieces).unwrap(),
         }
     }
 
-    fn nodes(&self) -> Nodes<'_> {
-        let Self { count, spacing_m, first_in_world_m, .. } = *self;
-        Nodes { count, spacing_m, first_in_world_m, wet: &self.wet }
-    }
-
     fn table(&self, simd: SimdClass) -> Table {
-        Table::new(&self.profile, &self.nodes(), simd).unwrap()
+        Table::new(&self.profile, &self.lattice, simd).unwrap()
     }
 
     /// The shape of a wave at all nodes.
     fn shape(&self, table: &Table, wave: usize) -> Vec<f32> {
         let modal: Vec<f32> = (0..table.waves().len()).map(|w| f32::from(w == wave)).collect();
-        let mut nodal = vec![f32::NAN; self.wet.len()];
+        let mut nodal = vec![f32::NAN; self.lattice.wet.len()];
         table.synthesise([&modal], [&mut nodal]);
         nodal
     }
@@ -72,9 +70,9 @@ fn largest_error(a: &[f32], b: impl IntoIterator<Item = f32>) -> f32 {
 #[test]
 fn mirrors_are_found_where_they_are() {
     let mirrored = cases().map(|case| {
-        let mirrors = Mirrors::new(&case.nodes(), case.profile.axis_in_world_m);
+        let mirrors = Mirrors::new(&case.lattice, case.profile.axis_in_world_m);
         let counted: f32 = mirrors.images.iter().map(|images| 4.0 * share(images)).sum();
-        let wet = case.wet.iter().filter(|wet| **wet).count();
+        let wet = case.lattice.wet.iter().filter(|wet| **wet).count();
         assert_eq!(counted, wet as f32);
         mirrors.mirrored
     });
@@ -86,17 +84,17 @@ fn a_sum_of_waves_is_found_again_and_lifts_nothing() {
     for case in cases() {
         let mut table = case.table(SimdClass::detect());
         let modal = noise(table.waves().len(), 1);
-        let mut nodal = vec![f32::NAN; case.wet.len()];
+        let mut nodal = vec![f32::NAN; case.lattice.wet.len()];
         table.synthesise([&modal], [&mut nodal]);
-        assert!(nodal.iter().zip(&case.wet).all(|(value, wet)| *wet || *value == 0.0));
+        assert!(nodal.iter().zip(&case.lattice.wet).all(|(value, wet)| *wet || *value == 0.0));
         let sum: f64 = nodal.iter().map(|v| f64::from(*v)).sum();
         let all: f64 = nodal.iter().map(|v| f64::from(v.abs())).sum();
         assert!(sum.abs() < 1e-6 * all, "{sum} {all}");
         let mut found = vec![f32::NAN; modal.len()];
         table.analyse(&nodal, &mut found);
-        let node_m2 = (case.spacing_m * case.spacing_m) as f32;
+        let node_m2 = case.lattice.node_m2();
         let error = largest_error(&modal, found.iter().map(|found| node_m2 * found));
-        assert!(error < 3e-6, "{:?}: {error}", case.count);
+        assert!(error < 3e-6, "{:?}: {error}", case.lattice.nodes);
     }
 }
 
@@ -106,15 +104,15 @@ fn a_push_on_a_node_moves_each_wave_by_its_shape_there() {
         let mut table = case.table(SimdClass::detect());
         let count = table.waves().len();
         let shapes: Vec<Vec<f32>> = (0..count).map(|w| case.shape(&table, w)).collect();
-        for node in (0..case.wet.len()).step_by(7) {
-            let mut nodal = vec![0.0; case.wet.len()];
+        for node in (0..case.lattice.wet.len()).step_by(7) {
+            let mut nodal = vec![0.0; case.lattice.wet.len()];
             nodal[node] = 2.0;
             let [mut whole, mut few] = [vec![f32::NAN; count], vec![f32::NAN; count]];
             table.analyse(&nodal, &mut whole);
             table.analyse_few(&[(node, 0.5), (node, 1.5)], &mut few);
             for found in [whole, few] {
                 let error = largest_error(&found, shapes.iter().map(|shape| 2.0 * shape[node]));
-                assert!(error < 2e-6, "{:?} {node}: {error}", case.count);
+                assert!(error < 2e-6, "{:?} {node}: {error}", case.lattice.nodes);
             }
         }
     }
@@ -136,8 +134,10 @@ fn shapes_at_nodes_are_those_of_the_vessel() {
             let Some(mode) = modes.iter().find(is_same) else { continue };
             compared += 1;
             let shape = case.shape(&table, w);
-            for (node, value) in shape.iter().enumerate().filter(|(node, _)| case.wet[*node]) {
-                let [x_m, z_m] = case.nodes().offset_m(node, axis_in_world_m);
+            for (node, value) in
+                shape.iter().enumerate().filter(|(node, _)| case.lattice.wet[*node])
+            {
+                let [x_m, z_m] = table.mirrors.offset_m(&case.lattice, node);
                 let angle = f64::from(wave.waves_around) * z_m.atan2(x_m);
                 let around = if wave.is_sine { angle.sin() } else { angle.cos() };
                 let exact = mode.shape_per_m(x_m.hypot(z_m)) * around;
@@ -175,7 +175,7 @@ fn a_surface_without_room_has_no_waves() {
     let case = Case::new(8, [0.0; 2], 0.9);
     let refused = Table::new(
         &case.profile,
-        &Nodes { spacing_m: f64::NAN, ..case.nodes() },
+        &Lattice { spacing_m: f32::NAN, ..case.lattice },
         SimdClass::Portable,
     );
     assert!(refused.is_err_and(|refused| refused.what.contains("shortest")));
@@ -188,7 +188,8 @@ fn two_at_once_and_wider_vectors_have_the_same_bits() {
             let mut table = case.table(simd);
             let count = table.waves().len();
             let [a, b] = [1, 2].map(|seed| noise(count, seed));
-            let [mut from_a, mut from_b, mut alone] = [(); 3].map(|()| vec![0.0; case.wet.len()]);
+            let [mut from_a, mut from_b, mut alone] =
+                [(); 3].map(|()| vec![0.0; case.lattice.wet.len()]);
             table.synthesise([&a, &b], [&mut from_a, &mut from_b]);
             table.synthesise([&b], [&mut alone]);
             assert_eq!(from_b, alone);
@@ -208,9 +209,9 @@ proptest! {
     #[test]
     fn any_round_surface_is_found_again(
         along in 4usize..26,
-        x_m in -0.3..0.3f64,
-        z_m in -0.3..0.3f64,
-        radius_m in 0.05..1.4f64,
+        x_m in -0.3..0.3f32,
+        z_m in -0.3..0.3f32,
+        radius_m in 0.05..1.4f32,
         mirrored in 0..4,
     ) {
         // Beyond the box too, where the lattice sees a part of the disc only.
@@ -219,11 +220,11 @@ proptest! {
         let case = Case::new(along, axis_in_world_m, radius_m);
         let mut table = case.table(SimdClass::detect());
         let modal = noise(table.waves().len(), along);
-        let mut nodal = vec![0.0; case.wet.len()];
+        let mut nodal = vec![0.0; case.lattice.wet.len()];
         table.synthesise([&modal], [&mut nodal]);
         let mut found = vec![0.0; modal.len()];
         table.analyse(&nodal, &mut found);
-        let node_m2 = (case.spacing_m * case.spacing_m) as f32;
+        let node_m2 = case.lattice.node_m2();
         let error = largest_error(&modal, found.iter().map(|found| node_m2 * found));
         prop_assert!(error < 1e-5, "{error}");
     }
