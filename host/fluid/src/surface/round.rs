@@ -76,6 +76,20 @@ impl RadialMode {
         }
     }
 
+    /// k of the wave of the same lambda between upright walls: at depth d in a vessel that is
+    /// `depth_m` deep the potential is about that at the surface times
+    /// cosh k(depth - d) / cosh(k depth), which is exact for an upright cylinder.
+    pub fn wavenumber_below_per_m(&self, depth_m: f64) -> f64 {
+        // x tanh x = lambda depth by Newton's method, from above.
+        let goal = self.lambda_per_m * depth_m;
+        let mut x = goal + goal.sqrt();
+        for _ in 0..20 {
+            let tanh = x.tanh();
+            x -= (x * tanh - goal) / (tanh + x * (1.0 - tanh * tanh));
+        }
+        x / depth_m
+    }
+
     /// Shapes that it stands for: one, or that of the cosine and that of the sine.
     pub fn shapes(&self) -> usize {
         if self.waves_around == 0 { 1 } else { 2 }

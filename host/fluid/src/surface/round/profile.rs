@@ -117,6 +117,11 @@ impl Profile {
         self.pieces[0].square_and_slope(0.0)[0].sqrt()
     }
 
+    /// Greatest depth in m.
+    pub fn depth_m(&self) -> f64 {
+        self.pieces[self.pieces.len() - 1].down_to_m
+    }
+
     /// Greatest radius in m.
     fn widest_m(&self) -> f64 {
         let tops = self.pieces.iter().map(|piece| piece.down_to_m);

@@ -33,6 +33,8 @@ pub(crate) struct Wave {
     pub lambda_per_m: f64,
     /// As [`RadialMode::wavenumber_per_m`].
     pub wavenumber_per_m: f64,
+    /// As [`RadialMode::wavenumber_below_per_m`].
+    pub wavenumber_below_per_m: f64,
 }
 
 /// A wave, and its shape in 1/m at the first of the images each.
@@ -66,8 +68,13 @@ pub fn sample(
             }
             scale(&mut shape, &roots_m);
             if orthonormalise(&mut shape, &others, simd) > LEAST_LEFT {
-                let RadialMode { waves_around, lambda_per_m, wavenumber_per_m, .. } = *mode;
-                let wave = Wave { waves_around, is_sine, lambda_per_m, wavenumber_per_m };
+                let wave = Wave {
+                    waves_around: mode.waves_around,
+                    is_sine,
+                    lambda_per_m: mode.lambda_per_m,
+                    wavenumber_per_m: mode.wavenumber_per_m,
+                    wavenumber_below_per_m: mode.wavenumber_below_per_m(profile.depth_m()),
+                };
                 classes[class].push((wave, shape));
             }
         }

@@ -2,8 +2,8 @@
 //!
 //! With x = r/a(y), a the radius of the wall at the height y, a slice is a cylinder, and the
 //! potential in it a sum of (a/a_top)^e Z_j(x) N_p(y) cos(m theta), e = 0, 1 or 2, even with m,
-//! so that it is smooth where a vessel ends on its axis. Written Z L for one of them, twice its energy by
-//! density is
+//! so that it is smooth where a vessel ends on its axis. Written Z L for one of them, twice its
+//! energy by the density is
 //!
 //! ```text
 //! int [ (phi_r^2 + m^2 phi^2 / r^2) + phi_y^2 ] r dr dy,   phi_y = Z L' - x Z' L a'/a

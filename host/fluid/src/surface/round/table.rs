@@ -37,7 +37,8 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// The waves of a round vessel at the nodes of a lattice, all that these resolve but no more than 400.
+    /// The waves of a round vessel at the nodes of a lattice: all that these resolve, but no more
+    /// than 400.
     ///
     /// # Errors
     /// [`Refused`] if the spacing is not positive.

@@ -100,6 +100,21 @@ fn a_hemisphere_sloshes_as_mciver_1989_found() {
 }
 
 #[test]
+fn what_moves_below_fades_as_between_upright_walls() {
+    let depth_m = 0.3;
+    for mode in modes(&cylinder(depth_m), 20, 0.1).unwrap() {
+        let ratio = mode.wavenumber_below_per_m(depth_m) / mode.wavenumber_per_m;
+        assert!((ratio - 1.0).abs() < 1e-8, "{ratio}");
+    }
+    // The slowest wave of a hemisphere near its axis, by a series of solid harmonics.
+    let k = modes(&sphere(0.0, 1.0), 2, 0.1).unwrap()[0].wavenumber_below_per_m(1.0);
+    for (depth_m, part) in [(0.1, 0.8564), (0.2, 0.7366), (0.3, 0.6366), (0.5, 0.4836)] {
+        let about = (k * (1.0 - depth_m)).cosh() / k.cosh();
+        assert!((about - part).abs() < 0.02, "{depth_m}: {about} {part}");
+    }
+}
+
+#[test]
 fn a_shallow_paraboloid_has_the_waves_of_lamb() {
     // omega^2 = (N (N + 2) - m^2) g d/R^2 for polynomials of degree N (Lamb 1932, art. 193), and
     // the correction for the depth goes with its square.
