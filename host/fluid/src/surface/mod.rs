@@ -10,6 +10,7 @@ mod drift;
 mod lattice;
 mod orbits;
 mod params;
+mod round;
 mod spring;
 mod tear;
 mod touch;
