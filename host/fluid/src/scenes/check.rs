@@ -222,8 +222,8 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     if scene.liquid.is_none() {
         return Err(wrong("surface", &"on", "a surface needs a [liquid]".into()));
     }
-    if surface.model == "wave" && scene.vessel != Vessel::Box {
-        let must = "must be spring in this vessel: waves need a box".into();
+    if let Err(why) = crate::surface::fits(surface.model, &scene.vessel, &scene.grid) {
+        let must = format!("must be spring in this vessel: {why}");
         return Err(wrong("surface.model", &surface.model, must));
     }
     Ok(())

@@ -127,6 +127,17 @@ pub fn find(name: &str) -> Option<&'static ModelRow> {
     INDEX.iter().find(|row| row.name == name)
 }
 
+/// Whether a model knows of a vessel in the box of a grid.
+///
+/// # Errors
+/// [`SetupError`] if it does not.
+pub fn fits(model: &str, vessel: &Vessel, grid: &Grid) -> Result<(), SetupError> {
+    if model == wave::ROW.name && *vessel != Vessel::Box {
+        round::Profile::of_vessel(vessel, grid)?;
+    }
+    Ok(())
+}
+
 /// What a step did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SurfaceReport {

@@ -10,8 +10,6 @@
 //! They are found for each m by the method of Ritz: polynomials on the disc, and the liquid
 //! below condensed away ([`mod@slice`]).
 
-#![allow(dead_code, unused_imports, reason = "the model of waves that uses it is on its way")]
-
 mod dense;
 mod jacobi;
 mod mirrors;
@@ -24,7 +22,6 @@ mod zernike;
 use std::f64::consts::PI;
 
 pub(crate) use profile::Profile;
-pub(crate) use sample::Wave;
 pub(crate) use table::Table;
 
 use self::{dense::Square, slice::Slice, zernike::Products};

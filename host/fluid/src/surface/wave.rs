@@ -12,14 +12,15 @@
 //! nothing swings. The solution over a step with a force that is held is a matrix for each mode,
 //! computed once for a step's length.
 
+mod basis;
 mod cosines;
 mod damping;
 mod orbits;
 mod propagator;
 
-use self::{cosines::Cosines, damping::Damping, orbits::Orbits, propagator::Propagator};
+use self::{basis::Basis, damping::Damping, orbits::Orbits, propagator::Propagator};
 use super::{Act, Answer, Basin, Fading, Lattice, Load, Model, ModelRow, SurfaceParams};
-use crate::{simd::SimdClass, solver::SetupError, vessel::Vessel};
+use crate::{simd::SimdClass, solver::SetupError};
 
 pub(super) const ROW: ModelRow = ModelRow {
     name: "wave",
@@ -27,13 +28,18 @@ pub(super) const ROW: ModelRow = ModelRow {
     make: |params, lattice, basin| Ok(Box::new(Waves::new(params, lattice, basin)?)),
 };
 
+/// Modes whose answers are summed side by side; arrays of modes are padded to whole ones.
+const LANES: usize = 8;
+
 /// One mode of a vessel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Default, Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mode {
     /// Vertical speed over potential at the surface.
     pub lambda_per_m: f64,
     /// Root of the integral of the squared gradient.
     pub wavenumber_per_m: f64,
+    /// As if walls were upright: k tanh(k depth) is lambda.
+    pub wavenumber_below_per_m: f64,
 }
 
 /// What all modes have in common.
@@ -48,7 +54,7 @@ struct Liquid {
 
 /// The waves.
 struct Waves {
-    basis: Cosines,
+    basis: Basis,
     simd: SimdClass,
     density_kg_m3: f64,
     modes: Vec<Mode>,
@@ -75,11 +81,7 @@ impl Waves {
         lattice: &Lattice,
         basin: &Basin<'_>,
     ) -> Result<Self, SetupError> {
-        if *basin.vessel != Vessel::Box {
-            return Err(SetupError::Unsupported("surface.model: waves need a box"));
-        }
-        let depth_m = basin.grid.cells[1] as f64 * f64::from(basin.grid.spacing_m);
-        let basis = Cosines::new(lattice, basin.simd);
+        let (basis, depth_m) = Basis::new(lattice, basin)?;
         let liquid = Liquid {
             density_kg_m3: f64::from(basin.density_kg_m3),
             gravity_m_s2: f64::from(basin.gravity_m_s2),
@@ -87,7 +89,8 @@ impl Waves {
             tension_n_per_m: f64::from(params.tension_n_per_m),
             drag_n_s_per_m3: f64::from(params.drag_n_s_per_m3),
         };
-        let modes: Vec<_> = basis.modes(depth_m).collect();
+        let mut modes = basis.modes(depth_m);
+        modes.resize(modes.len().next_multiple_of(LANES), Mode::default());
         let damping: Vec<_> = modes.iter().map(|mode| Damping::of(*mode, &liquid)).collect();
         let zeros = || vec![0.0; modes.len()];
         Ok(Self {
@@ -144,7 +147,6 @@ impl Waves {
 
     /// How the modes answer what is `under`.
     fn answer(&self) -> Answer {
-        const LANES: usize = 8;
         let arrays =
             [&self.under, &self.speed, &self.answer_per_m].map(|a| a.as_chunks::<LANES>().0);
         let [mut speed, mut per_kg] = [[0.0; LANES]; 2];
@@ -172,8 +174,7 @@ impl Model for Waves {
     }
 
     fn read(&mut self, height_m: &mut [f32], speed_m_s: &mut [f32]) {
-        self.basis.synthesise(&self.amplitude, height_m);
-        self.basis.synthesise(&self.speed, speed_m_s);
+        self.basis.synthesise([&self.amplitude, &self.speed], [height_m, speed_m_s]);
     }
 
     fn read_ahead(&mut self, ahead_s: f32, height_m: &mut [f32], speed_m_s: &mut [f32]) {
@@ -182,8 +183,7 @@ impl Model for Waves {
         speed.clone_from(&self.speed);
         self.ahead.set_step(&self.damping, f64::from(ahead_s));
         self.ahead.step(self.simd, [amplitude, speed], None);
-        self.basis.synthesise(amplitude, height_m);
-        self.basis.synthesise(speed, speed_m_s);
+        self.basis.synthesise([amplitude, speed], [height_m, speed_m_s]);
     }
 
     fn orbit(&mut self, layer: usize, potential: &mut [f32], rising_m_s: &mut [f32]) -> bool {
@@ -193,7 +193,7 @@ impl Model for Waves {
             for ((to, share), speed) in self.under.iter_mut().zip(shares).zip(&self.speed) {
                 *to = share * speed;
             }
-            self.basis.synthesise(&self.under, nodal);
+            self.basis.synthesise([&self.under], [nodal]);
         }
         true
     }
@@ -209,7 +209,7 @@ impl Model for Waves {
                 let share = if is_potential { 1.0 / mode.lambda_per_m as f32 } else { 1.0 };
                 *to = if is_wave { rate * share * of } else { 0.0 };
             }
-            basis.synthesise(under, nodal);
+            basis.synthesise([under], [nodal]);
         };
         write(&self.amplitude, false, true, &mut fading.height_m_s);
         write(&self.speed, true, false, &mut fading.potential);

@@ -75,7 +75,7 @@ impl Cosines {
                 let [x, z] = [self.x.eigenvalues[l], self.z.eigenvalues[m]].map(wavenumber);
                 let wavenumber_per_m = if self.x.is_mode(l) { x.hypot(z) } else { 0.0 };
                 let lambda_per_m = wavenumber_per_m * (wavenumber_per_m * depth_m).tanh();
-                Mode { lambda_per_m, wavenumber_per_m }
+                Mode { lambda_per_m, wavenumber_per_m, wavenumber_below_per_m: wavenumber_per_m }
             })
         })
     }

@@ -36,7 +36,7 @@ pub struct Damping {
 
 impl Damping {
     pub(super) fn of(mode: Mode, liquid: &Liquid) -> Self {
-        let Mode { lambda_per_m, wavenumber_per_m } = mode;
+        let Mode { lambda_per_m, wavenumber_per_m, .. } = mode;
         let per_density = 1.0 / liquid.density_kg_m3;
         let squared = wavenumber_per_m * wavenumber_per_m;
         let stiffness_m_s2 = liquid.gravity_m_s2 + liquid.tension_n_per_m * per_density * squared;

@@ -52,7 +52,7 @@ fn shares(mode: &Mode, at_m: f64, depth_m: f64) -> [f64; 2] {
     if mode.lambda_per_m <= 0.0 {
         return [0.0; 2];
     }
-    let k = mode.wavenumber_per_m;
+    let k = mode.wavenumber_below_per_m;
     let [down, up] = [(-k * at_m).exp(), (-k * (2.0 * depth_m - at_m)).exp()];
     let whole = (-2.0 * k * depth_m).exp();
     [(down + up) / (1.0 + whole) / mode.lambda_per_m, (down - up) / (1.0 - whole)]
@@ -65,7 +65,8 @@ mod tests {
     #[test]
     fn orbits_are_a_potential_flow_over_a_floor() {
         let (k, h) = (7.0_f64, 0.3);
-        let mode = Mode { lambda_per_m: k * (k * h).tanh(), wavenumber_per_m: k };
+        let lambda_per_m = k * (k * h).tanh();
+        let mode = Mode { lambda_per_m, wavenumber_per_m: k, wavenumber_below_per_m: k };
         let [phi, v] = shares(&mode, 0.0, h);
         assert!((phi - 1.0 / mode.lambda_per_m).abs() < 1e-12 && (v - 1.0).abs() < 1e-12);
         assert!(shares(&mode, h, h)[1].abs() < 1e-12, "nothing passes the floor");
