@@ -224,7 +224,7 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     Ok(())
 }
 
-pub(super) fn number(key: &str, value: f32, bound: Bound) -> Result<(), Wrong> {
+pub(crate) fn number(key: &str, value: f32, bound: Bound) -> Result<(), Wrong> {
     if bound.holds(value) { Ok(()) } else { Err(wrong(key, &value, bound.to_string())) }
 }
 

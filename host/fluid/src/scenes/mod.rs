@@ -12,6 +12,7 @@ mod gas;
 mod keys;
 mod taylor_green;
 
+pub(crate) use check::number;
 pub use check::{Bound, Wrong};
 pub use file::{SceneError, find, read};
 pub use gas::Gas;
