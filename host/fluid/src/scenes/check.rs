@@ -161,6 +161,8 @@ impl Scene {
             _ => self.vessel.greatest_depth_m(&self.grid).min(half_edge_m),
         };
         number("probe.radius_m", self.probe.radius_m, Bound::new(1e-4, 0.8 * room_m))?;
+        let density = self.probe.density_kg_m3.unwrap_or(1.0);
+        number("probe.density_kg_m3", density, Bound::new(0.1, 2e4))?;
         number("feel.felt_scale", feel.felt_scale, Bound::new(1e-3, 1e3))?;
         number("feel.scale", feel.world_from_device.scale, Bound::new(1e-2, 1e2))?;
         place("feel.offset_m", feel.world_from_device.offset_m.into())?;
@@ -204,6 +206,7 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     number("surface.layer_decay_m", surface.layer_decay_m, Bound::new(1e-4, 1e3))?;
     number("surface.contact_stiffness_n_per_m", surface.contact_stiffness_n_per_m, STIFF)?;
     number("surface.break_force_n", surface.break_force_n, STIFF)?;
+    number("surface.pull_force_n", surface.pull_force_n, STIFF)?;
     let substeps = surface.substeps(scene.grid.spacing_m, scene.step_s);
     let most = crate::surface::MOST_SUBSTEPS;
     if substeps > most {

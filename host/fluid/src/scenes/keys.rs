@@ -1,6 +1,7 @@
 //! The keys of a scene file, and what each sets.
 
 mod gas;
+mod surface;
 mod vessel;
 
 use glam::Vec3;
@@ -11,6 +12,7 @@ use toml::Spanned;
 use super::{Act, Scene, Wrong};
 
 use gas::GasKeys;
+use surface::SurfaceKeys;
 use vessel::VesselKeys;
 
 /// The line, from 1, that a span of `text` begins in.
@@ -112,23 +114,11 @@ struct LiquidKeys {
     colour: Triple,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SurfaceKeys {
-    areal_mass_kg_m2: Number,
-    gravity_n_per_m3: Number,
-    tension_n_per_m: Number,
-    bend: Number,
-    drag_n_s_per_m3: Number,
-    layer_decay_m: Number,
-    contact_stiffness_n_per_m: Number,
-    break_force_n: Number,
-}
-
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct ProbeKeys {
     radius_m: Number,
+    density_kg_m3: Number,
 }
 
 #[derive(Deserialize, Default)]
@@ -169,9 +159,12 @@ impl File {
         self.grid.apply(scene, lines)?;
         self.vessel.map_or(Ok(()), |v| vessel::apply(&v, scene, lines))?;
         self.liquid.map_or(Ok(()), |l| apply_liquid(&l, scene, lines))?;
-        self.surface.map_or(Ok(()), |s| apply_surface(&s, scene, lines))?;
+        self.surface.as_ref().map_or(Ok(()), |s| surface::apply(s, scene, lines))?;
         self.gas.map_or(Ok(()), |g| gas::apply(&g, scene, lines))?;
         lines.set("probe.radius_m", &mut scene.probe.radius_m, &self.probe.radius_m);
+        let density = &self.probe.density_kg_m3;
+        lines.set("probe.density_kg_m3", &mut scene.probe.density_kg_m3, density);
+        self.surface.as_ref().map_or(Ok(()), |s| surface::derive(s, scene))?;
         self.feel.apply(scene, lines);
         for (place, keys) in self.substance.iter().enumerate() {
             apply_substance(place, keys, scene, lines)?;
@@ -236,25 +229,6 @@ fn apply_liquid(
     lines.set("liquid.viscosity_m2_s", &mut liquid.viscosity_m2_s, &keys.viscosity_m2_s);
     lines.set("liquid.gravity_m_s2", &mut liquid.gravity_m_s2, &keys.gravity_m_s2);
     lines.set("liquid.colour", &mut liquid.colour, &keys.colour);
-    Ok(())
-}
-
-fn apply_surface(
-    keys: &Spanned<SurfaceKeys>,
-    scene: &mut Scene,
-    lines: &mut Lines<'_>,
-) -> Result<(), Misfit> {
-    let Some(surface) = &mut scene.surface else { return Err(lacks(keys, "surface", "surface")) };
-    let keys = keys.get_ref();
-    lines.set("surface.areal_mass_kg_m2", &mut surface.areal_mass_kg_m2, &keys.areal_mass_kg_m2);
-    lines.set("surface.gravity_n_per_m3", &mut surface.gravity_n_per_m3, &keys.gravity_n_per_m3);
-    lines.set("surface.tension_n_per_m", &mut surface.tension_n_per_m, &keys.tension_n_per_m);
-    lines.set("surface.bend", &mut surface.bend, &keys.bend);
-    lines.set("surface.drag_n_s_per_m3", &mut surface.drag_n_s_per_m3, &keys.drag_n_s_per_m3);
-    lines.set("surface.layer_decay_m", &mut surface.layer_decay_m, &keys.layer_decay_m);
-    let stiffness = &mut surface.contact_stiffness_n_per_m;
-    lines.set("surface.contact_stiffness_n_per_m", stiffness, &keys.contact_stiffness_n_per_m);
-    lines.set("surface.break_force_n", &mut surface.break_force_n, &keys.break_force_n);
     Ok(())
 }
 

@@ -132,6 +132,9 @@ pub enum Start {
 pub struct Probe {
     /// Its radius in world metres.
     pub radius_m: f32,
+    /// Its density, which gives it weight and lets it float; `None` if it is weightless and
+    /// nothing buoys it up.
+    pub density_kg_m3: Option<f32>,
 }
 
 /// How the pot is felt.

@@ -9,6 +9,7 @@ const WATER: SurfaceParams = SurfaceParams {
     layer_decay_m: 0.05,
     contact_stiffness_n_per_m: 30.0,
     break_force_n: 0.1,
+    pull_force_n: 0.1,
 };
 
 fn sheet(params: SurfaceParams) -> SpringSheet {
