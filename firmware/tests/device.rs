@@ -121,7 +121,7 @@ fn floor() -> Vessel {
 
 fn params() -> Params {
     let modes = Modes { walls: true, viscosity: true, ..Modes::default() };
-    Params { modes, rest: RestMedium::default() }
+    Params { modes, rest: RestMedium::default(), pull_force: Newtons(0.0) }
 }
 
 /// A rig that runs and leans 2 mm into a floor of 500 N/m.

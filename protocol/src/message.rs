@@ -174,6 +174,8 @@ pub struct Params {
     pub modes: Modes,
     /// Medium at rest, outside of every field's window and after it went stale.
     pub rest: RestMedium,
+    /// Force at which the surface lets go of a probe that comes out.
+    pub pull_force: Newtons,
 }
 
 /// A medium at rest: only ever dissipative.

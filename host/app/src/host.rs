@@ -10,7 +10,7 @@ use cauldron_link::{Session, SessionError, Setup, Transport, session::Counts};
 use cauldron_protocol::{
     State, Wall, WorldFromDevice,
     message::{Ceilings, Config, Params},
-    units::{Metres, NewtonSecondsPerMetre, NewtonsPerMetre},
+    units::{Metres, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre},
 };
 use glam::Vec3;
 use oorandom::Rand64;
@@ -74,7 +74,11 @@ impl<T: Transport> Host<T> {
         let step_us = (f64::from(scene.step_s) * 1e6).round() as u64;
         let loop_s = 1e-6 * (step_us + latency.total_us()) as f64;
         let baker = Baker::new(&pot, feel.world_from_device, feel.felt_scale, loop_s);
-        let params = Params { modes: feel.modes, rest: baker.rest_medium(&pot) };
+        let params = Params {
+            modes: feel.modes,
+            rest: baker.rest_medium(&pot),
+            pull_force: Newtons(baker.pull_force_n(&pot)),
+        };
         let config = Config { world_from_device: feel.world_from_device, ceilings: CEILINGS };
         let setup = Setup { config, vessel: vessel_of(scene), params };
         Self {

@@ -148,6 +148,13 @@ impl Baker {
         }
     }
 
+    /// Felt force at which the surface lets go of a probe; 0 without a surface. It is the scene's,
+    /// so it does not travel with every field.
+    #[must_use]
+    pub fn pull_force_n(&self, pot: &Pot) -> f32 {
+        pot.surface().map_or(0.0, |surface| self.felt_scale * surface.params().pull_force_n)
+    }
+
     /// Forgets what was sent: the device forgot it too.
     pub fn restart(&mut self) {
         self.sent = None;
