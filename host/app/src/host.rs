@@ -15,7 +15,7 @@ use cauldron_protocol::{
 use glam::Vec3;
 use oorandom::Rand64;
 
-use crate::ledger::Ledger;
+use crate::{ledger::Ledger, membrane::Membrane};
 
 /// A field that has not come to act so long after it was sent is lost: its way and its wait take
 /// some 20 ms, and so does the news of it.
@@ -62,6 +62,7 @@ pub struct Host<T> {
     field_sent_us: u64,
     probe: Option<State>,
     ledger: Ledger,
+    membrane: Membrane,
     /// States that came with the last poll, oldest first.
     pub states: Vec<State>,
 }
@@ -95,6 +96,7 @@ impl<T: Transport> Host<T> {
             field_sent_us: 0,
             probe: None,
             ledger: Ledger::new(f64::from(feel.felt_scale), (step_us / 1000) as u32),
+            membrane: Membrane::new(scene),
             states: Vec::new(),
         }
     }
@@ -124,7 +126,12 @@ impl<T: Transport> Host<T> {
     pub fn poll(&mut self, now_us: u64) -> Result<(), SessionError> {
         self.states.clear();
         self.states.extend_from_slice(self.session.poll(now_us)?);
-        self.states.iter().for_each(|state| self.ledger.note(state));
+        for state in &self.states {
+            self.ledger.note(state);
+            if let Some(energy_j) = self.membrane.note(state) {
+                self.pot.release(energy_j);
+            }
+        }
         self.probe = self.states.last().copied().or(self.probe);
         if self.session.counts().setups != self.setups {
             self.setups = self.session.counts().setups;

@@ -34,6 +34,8 @@ pub struct Totals {
     pub guard_actions: u64,
     /// Values that were refused because they were not finite.
     pub refused: u64,
+    /// Energy that the surface let go of where the probe broke through or came off.
+    pub released_j: f64,
 }
 
 /// A probe that cuts the surface damps it by its contact stiffness times this: more than the
@@ -54,6 +56,8 @@ pub struct Pot {
     probe_radius_m: f32,
     probe_in_world_m: Vec3,
     exchange: Exchange,
+    /// Energy that is to leave as a wave with the next step.
+    pending_j: f64,
     time_s: f64,
     totals: Totals,
 }
@@ -107,6 +111,7 @@ impl Pot {
             probe_radius_m: scene.probe.radius_m,
             probe_in_world_m: scene.story.start_m,
             exchange: Exchange::default(),
+            pending_j: 0.0,
             time_s: 0.0,
             totals: Totals::default(),
         })
@@ -212,6 +217,20 @@ impl Pot {
         }
     }
 
+    /// Takes the energy, in joules, that the surface held under the probe when it broke: it leaves
+    /// as a wave, with the next step. What is not a number, or not above zero, is left out.
+    pub fn release(&mut self, energy_j: f64) {
+        if energy_j.is_finite() && energy_j > 0.0 {
+            self.pending_j += energy_j;
+            self.totals.released_j += energy_j;
+        }
+    }
+
+    /// Gives what was released to the surface, which has no way to take it yet.
+    fn make_waves(&mut self) {
+        self.pending_j = 0.0;
+    }
+
     /// Pours the substances whose bit is set for `dt_s`.
     pub fn pour(&mut self, buttons: u8, dt_s: f32) {
         let Some(substances) = &mut self.substances else { return };
@@ -252,6 +271,7 @@ impl Pot {
                 self.totals.refused += u64::from(carried.is_err());
             }
         }
+        self.make_waves();
         if let Some(surface) = &mut self.surface {
             surface.step(dt_s);
         }
