@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::{
     Snapshot, SubstanceView,
     air::Air,
-    force::{Drag, Exchange},
+    force::{Drag, Exchange, Floating},
     grid::Grid,
     plan::Item,
     pool::Pool,
@@ -53,6 +53,7 @@ pub struct Pot {
     surface: Option<SpringSheet>,
     air: Option<Air>,
     drag: Drag,
+    floating: Option<Floating>,
     probe_radius_m: f32,
     probe_in_world_m: Vec3,
     exchange: Exchange,
@@ -108,6 +109,7 @@ impl Pot {
             surface: scene.surface.map(|s| SpringSheet::new(s, &scene.grid, &scene.vessel)),
             air,
             drag,
+            floating: Floating::of(scene),
             probe_radius_m: scene.probe.radius_m,
             probe_in_world_m: scene.story.start_m,
             exchange: Exchange::default(),
@@ -162,6 +164,12 @@ impl Pot {
     #[must_use]
     pub fn drag(&self) -> Drag {
         self.drag
+    }
+
+    /// Weight and buoyancy of the probe, if it has any.
+    #[must_use]
+    pub fn floating(&self) -> Option<Floating> {
+        self.floating
     }
 
     /// Mass of liquid that the probe's impulse moves at once: where it is now, or in the middle

@@ -180,7 +180,7 @@ impl Scene {
                     place("story.centre_m", centre_m)?;
                     number("story.radius_m", radius_m, Bound::new(0.0, 1.0))?;
                 }
-                Act::Rest { .. } => {}
+                Act::Rest { .. } | Act::LetGo { .. } => {}
             }
         }
         for pour in &self.story.pours {

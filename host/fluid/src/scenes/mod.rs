@@ -179,6 +179,11 @@ pub enum Act {
         /// Duration.
         seconds: f32,
     },
+    /// Lets go of the handle, and takes hold of it again at the end.
+    LetGo {
+        /// Duration.
+        seconds: f32,
+    },
     /// Draws circles as a person drew them.
     Stir {
         /// Middle of the circles in world metres.
@@ -195,9 +200,10 @@ impl Act {
     #[must_use]
     pub fn seconds(&self) -> f32 {
         match *self {
-            Self::Reach { seconds, .. } | Self::Rest { seconds } | Self::Stir { seconds, .. } => {
-                seconds
-            }
+            Self::Reach { seconds, .. }
+            | Self::Rest { seconds }
+            | Self::LetGo { seconds }
+            | Self::Stir { seconds, .. } => seconds,
         }
     }
 }
