@@ -3,10 +3,10 @@
 
 use cauldron_protocol::{
     PROTOCOL_VERSION, Refusal, Supervisor, Vessel, Wall,
-    message::{Arm, Ceilings, Config, Identity, Modes, Params, RestMedium},
+    message::{Arm, Buoyancy, Ceilings, Config, Identity, Modes, Params, RestMedium},
     schema_hash,
     transform::WorldFromDevice,
-    units::{NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre},
+    units::{Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre},
 };
 use heapless::Vec;
 
@@ -30,6 +30,7 @@ const NOTHING: Params = Params {
         quadratic_drag: NewtonSeconds2PerMetre2(0.0),
     },
     pull_force: Newtons(0.0),
+    buoyancy: Buoyancy { radius: Metres(0.0), stiffness: NewtonsPerMetre(0.0) },
 };
 
 /// Settings in force.
@@ -133,14 +134,16 @@ impl Settings {
     /// Takes params.
     ///
     /// # Errors
-    /// [`Refusal::WrongState`] in Fault; [`Refusal::BadValue`] for a drag or a force that is not
-    /// finite or below zero.
+    /// [`Refusal::WrongState`] in Fault; [`Refusal::BadValue`] for a value that is not finite
+    /// or below zero.
     pub fn load_params(&mut self, state: Supervisor, params: Params) -> Result<(), Refusal> {
         if matches!(state, Supervisor::Fault(_)) {
             return Err(Refusal::WrongState);
         }
         let rest = is_gain(params.rest.linear_drag.0) && is_gain(params.rest.quadratic_drag.0);
-        if !(rest && is_gain(params.pull_force.0)) {
+        let Buoyancy { radius, stiffness } = params.buoyancy;
+        let touch = is_gain(params.pull_force.0) && is_gain(radius.0) && is_gain(stiffness.0);
+        if !(rest && touch) {
             return Err(Refusal::BadValue);
         }
         self.params = params;
@@ -187,7 +190,7 @@ fn is_sound(wall: &Wall) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cauldron_protocol::units::{Metres, NewtonsPerSecond};
+    use cauldron_protocol::units::NewtonsPerSecond;
 
     const IMAGE: Image = Image {
         version: [0, 1, 0],
@@ -240,12 +243,15 @@ mod tests {
             modes: Modes::default(),
             rest: RestMedium::default(),
             pull_force: Newtons(0.1),
+            buoyancy: Buoyancy::default(),
         };
+        let buoyancy = Buoyancy { radius: Metres(f32::INFINITY), ..Buoyancy::default() };
         assert_eq!(settings.load_params(Supervisor::Idle, sound), Ok(()));
         for params in [
             Params { rest, ..sound },
             Params { pull_force: Newtons(f32::NAN), ..sound },
             Params { pull_force: Newtons(-0.1), ..sound },
+            Params { buoyancy, ..sound },
         ] {
             assert_eq!(settings.load_params(Supervisor::Idle, params), Err(Refusal::BadValue));
         }

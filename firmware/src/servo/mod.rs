@@ -1,6 +1,7 @@
 //! The force that is wanted: the sum of the modes that are on. One file each; what is off is not
 //! computed.
 
+mod buoyancy;
 mod flow;
 mod surface;
 mod viscosity;
@@ -78,6 +79,7 @@ impl Servo {
         if modes.surface {
             wanted.medium_n += surface::force_n(contact, pull_n, position_m, velocity_m_s, medium);
         }
+        wanted.medium_n += buoyancy::damping_n(params.buoyancy, position_m, velocity_m_s, medium);
         if contact == Contact::Wet {
             wanted.medium_n += in_medium_n(modes, velocity_m_s, medium);
         }
@@ -111,7 +113,10 @@ fn in_medium_n(modes: Modes, velocity_m_s: Vec3, medium: &Medium) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cauldron_protocol::{message::RestMedium, units::Newtons};
+    use cauldron_protocol::{
+        message::{Buoyancy, RestMedium},
+        units::Newtons,
+    };
 
     const ALL: Modes = Modes { surface: true, viscosity: true, flow: true, walls: true };
 
@@ -130,7 +135,8 @@ mod tests {
     }
 
     fn params(modes: Modes) -> Params {
-        Params { modes, rest: RestMedium::default(), pull_force: Newtons(0.0) }
+        let (rest, buoyancy) = (RestMedium::default(), Buoyancy::default());
+        Params { modes, rest, pull_force: Newtons(0.0), buoyancy }
     }
 
     #[test]

@@ -79,6 +79,7 @@ impl<T: Transport> Host<T> {
             modes: feel.modes,
             rest: baker.rest_medium(&pot),
             pull_force: Newtons(baker.pull_force_n(&pot)),
+            buoyancy: baker.buoyancy(&pot),
         };
         let config = Config { world_from_device: feel.world_from_device, ceilings: CEILINGS };
         let setup = Setup { config, vessel: vessel_of(scene), params };

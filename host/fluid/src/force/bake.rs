@@ -17,8 +17,8 @@
 use cauldron_protocol::{
     WorldFromDevice,
     field::{Channel, FieldHead, MAX_PATCH_NODES, PatchChannel, PatchHead, quantum_for},
-    message::{Keep, RestMedium},
-    units::{Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, Ticks},
+    message::{Buoyancy, Keep, RestMedium},
+    units::{Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, NewtonsPerMetre, Ticks},
 };
 use glam::Vec3;
 
@@ -157,6 +157,18 @@ impl Baker {
     #[must_use]
     pub fn pull_force_n(&self, pot: &Pot) -> f32 {
         pot.surface().map_or(0.0, |surface| self.felt_scale * surface.params().pull_force_n)
+    }
+
+    /// How stiffly the probe floats, at the hand; nothing for one without weight.
+    #[must_use]
+    pub fn buoyancy(&self, pot: &Pot) -> Buoyancy {
+        let scale = self.world_from_device.scale;
+        pot.floating().map_or(Buoyancy::default(), |floating| Buoyancy {
+            radius: Metres(pot.probe_radius_m() / scale),
+            stiffness: NewtonsPerMetre(
+                self.felt_scale * scale * floating.stiffness_n_per_m() as f32,
+            ),
+        })
     }
 
     /// Forgets what was sent: the device forgot it too.

@@ -38,6 +38,13 @@ impl Floating {
     pub fn force_n(&self, depth_m: f64) -> f64 {
         self.buoyant_n_m3 * cap_volume_m3(self.radius_m, self.radius_m + depth_m) - self.weight_n
     }
+
+    /// Change of the force with depth where the sphere is half under: rho g pi a^2. At a depth y it
+    /// is that times 1 - (y/a)^2.
+    #[must_use]
+    pub fn stiffness_n_per_m(&self) -> f64 {
+        self.buoyant_n_m3 * std::f64::consts::PI * self.radius_m * self.radius_m
+    }
 }
 
 #[cfg(test)]
@@ -57,6 +64,8 @@ mod tests {
         assert!((half.force_n(0.02) / (0.5 * whole_n) - 1.0).abs() < 1e-9, "and is buoyant below");
         assert!((half.force_n(-0.5) / (-0.5 * whole_n) - 1.0).abs() < 1e-9, "heavy in the air");
         assert_eq!(half.force_n(f64::INFINITY), half.force_n(0.02));
+        let slope = (half.force_n(1e-5) - half.force_n(-1e-5)) / 2e-5;
+        assert!((slope / half.stiffness_n_per_m() - 1.0).abs() < 1e-6, "{slope}");
     }
 
     #[test]
