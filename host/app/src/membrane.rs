@@ -1,8 +1,9 @@
 //! What spring or neck of the surface held when it broke: the hand does not get it back, so it
 //! leaves as a wave.
 //!
-//! The device renders F = k (y - tau v) with its own k = felt_scale scale k_physical, of which
-//! S = F + k tau v is the spring's part and the rest went to heat. The spring held S^2 / (2 k) felt
+//! The device renders F = k (y - tau v) with its own k = felt_scale scale k_physical, and for a
+//! probe that floats damps its buoyancy's stiffness K alike; S = F + (k + K) tau v is the spring's
+//! part of that and the rest went to heat. The spring held S^2 / (2 k) felt
 //! joules; a felt joule is a felt newton over a device metre, which is scale / felt_scale
 //! physical ones:
 //!
@@ -11,7 +12,7 @@
 //! ```
 
 use cauldron_firmware::{TICK_S, servo::DAMPING_S};
-use cauldron_fluid::scenes::Scene;
+use cauldron_fluid::{force::Floating, scenes::Scene};
 use cauldron_protocol::{Limit, State, state::Flags};
 
 /// Watches the device's states for the moments in which spring or neck break.
@@ -19,6 +20,8 @@ use cauldron_protocol::{Limit, State, state::Flags};
 pub struct Membrane {
     /// Of the device: felt newtons for a device metre.
     stiffness_n_per_m: f64,
+    /// Of the dampers at the surface, likewise.
+    damping_n_s_per_m: f64,
     /// Physical joules of a felt one.
     physical: f64,
     last: Option<State>,
@@ -33,8 +36,11 @@ impl Membrane {
         let felt_scale = f64::from(scene.feel.felt_scale);
         let scale = f64::from(scene.feel.world_from_device.scale);
         let stiffness = scene.surface.map_or(0.0, |s| f64::from(s.contact_stiffness_n_per_m));
+        let buoyant = Floating::of(scene).map_or(0.0, |floating| floating.stiffness_n_per_m());
+        let damped = felt_scale * scale * (stiffness + buoyant);
         Self {
             stiffness_n_per_m: felt_scale * scale * stiffness,
+            damping_n_s_per_m: f64::from(DAMPING_S) * damped,
             physical: scale / felt_scale,
             last: None,
             spring_n: 0.0,
@@ -69,7 +75,7 @@ impl Membrane {
         let [_, then, _] = before.impulse_to_fluid;
         let force_n = -1e-12 * now.0.wrapping_sub(then.0) as f64 / f64::from(TICK_S);
         let [_, rising, _] = state.velocity;
-        force_n + self.stiffness_n_per_m * f64::from(DAMPING_S) * f64::from(rising.0)
+        force_n + self.damping_n_s_per_m * f64::from(rising.0)
     }
 }
 

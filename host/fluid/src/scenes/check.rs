@@ -5,7 +5,7 @@ use std::fmt;
 use glam::Vec3;
 
 use super::{Act, Gas, Scene};
-use crate::{surface::SurfaceParams, vessel::Vessel};
+use crate::{force::Floating, surface::SurfaceParams, vessel::Vessel};
 
 /// The range of a number, both ends in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +53,9 @@ impl fmt::Display for Wrong {
     }
 }
 
+/// What a spring that the device renders of a liquid may have at the hand.
+const STIFFEST_N_PER_M: f32 = 2000.0;
+
 /// Cells along an axis, and in all: a step of more would not fit into any frame.
 const CELLS: Bound = Bound::new(1.0, 512.0);
 const MOST_CELLS: usize = 128 * 128 * 128;
@@ -68,6 +71,7 @@ impl Scene {
         self.surface.as_ref().map_or(Ok(()), |s| check_surface(s, self))?;
         self.gas.as_ref().map_or(Ok(()), |gas| self.check_gas(gas))?;
         self.check_feel()?;
+        self.check_floating()?;
         self.check_story()
     }
 
@@ -170,6 +174,21 @@ impl Scene {
         number("feel.wall_damping_n_s_per_m", feel.wall_damping_n_s_per_m, Bound::new(0.0, 100.0))
     }
 
+    /// A probe that floats is a spring at the hand, and the device renders only so stiff a one.
+    fn check_floating(&self) -> Result<(), Wrong> {
+        let Some(density_kg_m3) = self.probe.density_kg_m3 else { return Ok(()) };
+        let floating = Floating::of(self).map_or(0.0, |f| f.stiffness_n_per_m() as f32);
+        let at_the_hand = floating * self.feel.felt_scale * self.feel.world_from_device.scale;
+        if at_the_hand <= STIFFEST_N_PER_M {
+            return Ok(());
+        }
+        let must = format!(
+            "what has a density floats too stiffly: {at_the_hand} N/m at the hand, at most \
+             {STIFFEST_N_PER_M}; lower feel.felt_scale or probe.radius_m"
+        );
+        Err(wrong("probe.density_kg_m3", &density_kg_m3, must))
+    }
+
     fn check_story(&self) -> Result<(), Wrong> {
         place("story.start_m", self.story.start_m)?;
         for act in &self.story.acts {
@@ -218,7 +237,7 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
         return Err(wrong("surface.tension_n_per_m", &surface.tension_n_per_m, must));
     }
     let at_the_hand = scene.feel.felt_scale * scene.feel.world_from_device.scale;
-    let stiffest = 2000.0 / at_the_hand;
+    let stiffest = STIFFEST_N_PER_M / at_the_hand;
     let stiffness = surface.contact_stiffness_n_per_m;
     number("surface.contact_stiffness_n_per_m", stiffness, Bound::new(0.0, stiffest))?;
     if scene.liquid.is_none() {

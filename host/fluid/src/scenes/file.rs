@@ -253,6 +253,12 @@ mod tests {
             ("base = \"fumes\"\n[gas]\nhotter_k = 300\n", 3, "gas.hotter_k = 300"),
             ("[probe]\nradius_m = 1e40\n", 2, "probe.radius_m = inf"),
             ("[probe]\ndensity_kg_m3 = 0\n", 2, "probe.density_kg_m3 = 0"),
+            (
+                "[probe]\ndensity_kg_m3 = 500\n[feel]\nfelt_scale = 100\n[surface]\n\
+                 contact_stiffness_n_per_m = 1\n",
+                2,
+                "too stiffly",
+            ),
             ("[surface]\npull_force_n = -1\n", 2, "surface.pull_force_n = -1"),
             ("[surface]\ncontact_angle_deg = 181\n", 2, "surface.contact_angle_deg = 181"),
             (

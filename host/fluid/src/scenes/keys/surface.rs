@@ -46,6 +46,8 @@ pub(super) fn apply(
     lines.set("surface.contact_stiffness_n_per_m", stiffness, &keys.contact_stiffness_n_per_m);
     lines.set("surface.break_force_n", &mut surface.break_force_n, &keys.break_force_n);
     lines.set("surface.pull_force_n", &mut surface.pull_force_n, &keys.pull_force_n);
+    let angle = keys.contact_angle_deg.iter().map(|a| ("surface.contact_angle_deg", a.span()));
+    lines.seen.extend(angle);
     Ok(())
 }
 
