@@ -87,7 +87,7 @@ impl Control {
         watch.ended(Stage::Field);
 
         let vessel = self.settings.vessel();
-        let wanted = self.servo.force(params.modes, position_m, velocity_m_s, &medium, vessel);
+        let wanted = self.servo.force(&params, position_m, velocity_m_s, &medium, vessel);
         watch.ended(Stage::Servo);
         let gate = self.supervise(now, sensed, joints.err());
         watch.ended(Stage::Supervisor);
@@ -147,6 +147,7 @@ impl Control {
             flags: Flags::default()
                 .with(Flags::WET, wanted.contact == Contact::Wet)
                 .with(Flags::ON_SURFACE, wanted.contact == Contact::OnSurface)
+                .with(Flags::CLINGING, wanted.contact == Contact::Clinging)
                 .with(Flags::ON_WALL, wanted.on_wall())
                 .with(Flags::DEADMAN, sensed.deadman),
             limits: acted.limits,

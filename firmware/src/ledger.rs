@@ -32,8 +32,8 @@ impl Ledger {
 }
 
 /// The medium's share of a force that limits may have changed. As far as what acted is the wanted
-/// force made smaller, all that wanted it are made smaller alike; what else a limit did, medium
-/// and walls bear by their weights.
+/// force made smaller, all that wanted it are made smaller alike; what else a limit did, medium,
+/// walls and bias bear by their weights.
 fn medium_share_n(wanted: &Wanted, acted_n: Vec3) -> Vec3 {
     let (medium_n, total_n) = (wanted.medium_n, wanted.total_n());
     if acted_n == Vec3::ZERO || medium_n == Vec3::ZERO {
@@ -41,7 +41,8 @@ fn medium_share_n(wanted: &Wanted, acted_n: Vec3) -> Vec3 {
     }
     let squared = total_n.dot(total_n);
     let part = if squared > 0.0 { clamp(acted_n.dot(total_n) / squared, 0.0, 1.0) } else { 0.0 };
-    let weight = medium_n.norm() / (medium_n.norm() + wanted.walls_n.norm());
+    let others_n = wanted.walls_n.norm() + wanted.bias_n.norm();
+    let weight = medium_n.norm() / (medium_n.norm() + others_n);
     medium_n * part + (acted_n - total_n * part) * weight
 }
 
@@ -69,6 +70,16 @@ mod tests {
         assert!((whole - Vec3::new(1.0, 0.0, 0.0)).norm() < 1e-6);
         let halved = medium_share_n(&wanted, wanted.total_n() * 0.5);
         assert!((halved - Vec3::new(0.5, 0.0, 0.0)).norm() < 1e-6);
+    }
+
+    #[test]
+    fn weight_and_buoyancy_are_nobodys() {
+        let bias_n = Vec3::new(0.0, -2.0, 0.0);
+        let medium_n = Vec3::new(0.0, 0.5, 0.1);
+        let wanted = Wanted { medium_n, bias_n, ..Wanted::default() };
+        assert!((medium_share_n(&wanted, wanted.total_n()) - medium_n).norm() < 1e-6);
+        let sinking = Wanted { bias_n, ..Wanted::default() };
+        assert_eq!(medium_share_n(&sinking, bias_n), Vec3::ZERO);
     }
 
     #[test]

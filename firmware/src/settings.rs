@@ -3,10 +3,10 @@
 
 use cauldron_protocol::{
     PROTOCOL_VERSION, Refusal, Supervisor, Vessel, Wall,
-    message::{Arm, Ceilings, Config, Identity, Modes, Params, RestMedium},
+    message::{Arm, Buoyancy, Ceilings, Config, Identity, Modes, Params, RestMedium},
     schema_hash,
     transform::WorldFromDevice,
-    units::{NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, NewtonsPerMetre},
+    units::{Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre},
 };
 use heapless::Vec;
 
@@ -29,6 +29,8 @@ const NOTHING: Params = Params {
         linear_drag: NewtonSecondsPerMetre(0.0),
         quadratic_drag: NewtonSeconds2PerMetre2(0.0),
     },
+    pull_force: Newtons(0.0),
+    buoyancy: Buoyancy { radius: Metres(0.0), stiffness: NewtonsPerMetre(0.0) },
 };
 
 /// Settings in force.
@@ -132,13 +134,16 @@ impl Settings {
     /// Takes params.
     ///
     /// # Errors
-    /// [`Refusal::WrongState`] in Fault; [`Refusal::BadValue`] for a drag that is not finite or
-    /// below zero.
+    /// [`Refusal::WrongState`] in Fault; [`Refusal::BadValue`] for a value that is not finite
+    /// or below zero.
     pub fn load_params(&mut self, state: Supervisor, params: Params) -> Result<(), Refusal> {
         if matches!(state, Supervisor::Fault(_)) {
             return Err(Refusal::WrongState);
         }
-        if !(is_gain(params.rest.linear_drag.0) && is_gain(params.rest.quadratic_drag.0)) {
+        let rest = is_gain(params.rest.linear_drag.0) && is_gain(params.rest.quadratic_drag.0);
+        let Buoyancy { radius, stiffness } = params.buoyancy;
+        let touch = is_gain(params.pull_force.0) && is_gain(radius.0) && is_gain(stiffness.0);
+        if !(rest && touch) {
             return Err(Refusal::BadValue);
         }
         self.params = params;
@@ -185,7 +190,7 @@ fn is_sound(wall: &Wall) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cauldron_protocol::units::{Metres, Newtons, NewtonsPerSecond};
+    use cauldron_protocol::units::NewtonsPerSecond;
 
     const IMAGE: Image = Image {
         version: [0, 1, 0],
@@ -234,7 +239,21 @@ mod tests {
         }
         let rest =
             RestMedium { linear_drag: NewtonSecondsPerMetre(f32::NAN), ..RestMedium::default() };
-        let params = Params { modes: Modes::default(), rest };
-        assert_eq!(settings.load_params(Supervisor::Idle, params), Err(Refusal::BadValue));
+        let sound = Params {
+            modes: Modes::default(),
+            rest: RestMedium::default(),
+            pull_force: Newtons(0.1),
+            buoyancy: Buoyancy::default(),
+        };
+        let buoyancy = Buoyancy { radius: Metres(f32::INFINITY), ..Buoyancy::default() };
+        assert_eq!(settings.load_params(Supervisor::Idle, sound), Ok(()));
+        for params in [
+            Params { rest, ..sound },
+            Params { pull_force: Newtons(f32::NAN), ..sound },
+            Params { pull_force: Newtons(-0.1), ..sound },
+            Params { buoyancy, ..sound },
+        ] {
+            assert_eq!(settings.load_params(Supervisor::Idle, params), Err(Refusal::BadValue));
+        }
     }
 }

@@ -12,7 +12,7 @@ use cauldron_protocol::{
     Down, Fault, Kind, Refusal, State, States, Supervisor, Up, Verdict, Vessel, Wall,
     field::SlabHead,
     frame::{Decoder, MAX_FRAME, encode, encode_message},
-    message::{Ceilings, Keep, Modes, Params, RestMedium},
+    message::{Buoyancy, Ceilings, Keep, Modes, Params, RestMedium},
     units::{
         Metres, NewtonMetres, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre, NewtonsPerSecond,
         Ticks,
@@ -121,7 +121,8 @@ fn floor() -> Vessel {
 
 fn params() -> Params {
     let modes = Modes { walls: true, viscosity: true, ..Modes::default() };
-    Params { modes, rest: RestMedium::default() }
+    let (rest, buoyancy) = (RestMedium::default(), Buoyancy::default());
+    Params { modes, rest, pull_force: Newtons(0.0), buoyancy }
 }
 
 /// A rig that runs and leans 2 mm into a floor of 500 N/m.

@@ -51,6 +51,8 @@ impl Channel {
     pub const DRAG: Channels = Channels(0b0001_1000);
     /// The three of the bias force, as a set.
     pub const BIAS: Channels = Channels(0b1110_0000);
+    /// The vertical one of them, as a set.
+    pub const BIAS_Y: Channels = Channels(0b0100_0000);
 }
 
 /// What a node of the surface patch says.

@@ -9,8 +9,8 @@ use crate::{
     field::FieldHead,
     transform::WorldFromDevice,
     units::{
-        Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, Newtons, NewtonsPerSecond, Radians,
-        Ticks,
+        Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre,
+        NewtonsPerSecond, Radians, Ticks,
     },
     vessel::Vessel,
 };
@@ -174,6 +174,20 @@ pub struct Params {
     pub modes: Modes,
     /// Medium at rest, outside of every field's window and after it went stale.
     pub rest: RestMedium,
+    /// Force at which the surface lets go of a probe that comes out.
+    pub pull_force: Newtons,
+    /// The probe's buoyancy, to damp it; zero for one that has none.
+    pub buoyancy: Buoyancy,
+}
+
+/// How stiffly the probe floats. The force itself travels with the field; a spring that is sampled
+/// needs its damper beside it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Buoyancy {
+    /// Radius of the probe, at the hand.
+    pub radius: Metres,
+    /// Change of buoyancy with depth where the probe is half under, at the hand.
+    pub stiffness: NewtonsPerMetre,
 }
 
 /// A medium at rest: only ever dissipative.

@@ -44,6 +44,8 @@ impl Flags {
     pub const WET: Self = Self(1);
     /// The probe presses on the surface without being through.
     pub const ON_SURFACE: Self = Self(2);
+    /// The probe is out of the medium, and the surface still clings to it.
+    pub const CLINGING: Self = Self(16);
     /// The probe presses on a wall.
     pub const ON_WALL: Self = Self(4);
     /// The deadman is held.

@@ -52,6 +52,7 @@ impl Rig for SimRig {
         trace.counts = world.host.counts();
         trace.impulse_n_s = world.host.pot.exchange().given_n_s();
         trace.momentum_residual_rel = world.host.pot.exchange().residual_rel();
+        trace.released_j = world.host.pot.totals().released_j;
         Ok(trace)
     }
 }

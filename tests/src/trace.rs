@@ -18,6 +18,8 @@ pub struct Trace {
     pub impulse_n_s: f64,
     /// See [`Trace::impulse_n_s`].
     pub momentum_residual_rel: f64,
+    /// Physical energy that left as waves where the surface broke or let go.
+    pub released_j: f64,
 }
 
 impl Trace {

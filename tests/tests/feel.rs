@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at what it did not expect")]
 
 use cauldron::world::{Options, World};
-use cauldron_board_sim::Script;
-use cauldron_fluid::scenes::{self, Scene};
+use cauldron_board_sim::{Act, Grip, PlantParams, Script, SimBoard};
+use cauldron_firmware::presets::OMNI_LIKE;
+use cauldron_fluid::scenes::{self, Probe, Scene};
 use cauldron_protocol::{Limit, State, Supervisor, state::Flags};
 use cauldron_tests::{Trace, trace::force_n};
 use glam::DVec3;
@@ -143,6 +144,34 @@ fn a_silent_host_leaves_a_thick_liquid_that_only_resists() {
             let jump_n = (force_n(&pair[1]) - force_n(&pair[0])).length();
             assert!(jump_n < 0.1, "nu {viscosity_m2_s}: {jump_n} N in a tick");
         }
+    }
+}
+
+/// Without the arm's dry friction: the depth of the ball under the surface around it is where its
+/// buoyancy bears its weight, once it fell through or rose out, and nothing swings.
+#[test]
+fn a_ball_let_go_floats_at_the_depth_that_bears_it() {
+    for (density_kg_m3, start_y_m) in
+        [(300.0, 0.004), (500.0, 0.004), (600.0, 0.003), (700.0, 0.01)]
+    {
+        let mut scene = cauldron();
+        scene.probe = Probe { radius_m: 0.02, density_kg_m3: Some(density_kg_m3) };
+        let acts = [Act::Rest { seconds: 0.8 }, Act::LetGo { seconds: 5.0 }];
+        let script = Script::new(DVec3::Y * start_y_m, &acts, Vec::new());
+        let smooth = PlantParams { friction_n: 0.0, ..PlantParams::OMNI_LIKE };
+        let mut world =
+            World::with_script(&scene, script.clone(), &Options::new(1)).expect("a world");
+        world.device.board = SimBoard::new(&OMNI_LIKE, smooth, Grip::RELAXED, script, 1);
+        let trace = run(&mut world, 3500);
+        let y_m = |tick: usize| 1.2 * f64::from(trace.states[tick].position[1].0);
+        let mean_m = (3000..3500).map(y_m).sum::<f64>() / 500.0;
+        let swing_m = (3000..3500).map(|t| (y_m(t) - mean_m).abs()).fold(0.0, f64::max);
+        let risen_m = world.host.pot.surface().unwrap().at(glam::Vec3::ZERO).0;
+        let depth_m = f64::from(risen_m) - mean_m;
+        let floating = world.host.pot.floating().unwrap();
+        let off_m = floating.force_n(depth_m) / floating.stiffness_n_per_m();
+        assert!(off_m.abs() < 0.1 * (0.02 + depth_m), "{density_kg_m3}: {depth_m}, off {off_m} m");
+        assert!(swing_m < 1e-3, "{density_kg_m3}: swings by {swing_m} m");
     }
 }
 

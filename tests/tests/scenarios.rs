@@ -23,6 +23,8 @@ scenarios! {
     wall: "wall",
     stir: "stir",
     through_the_surface: "through the surface",
+    pull_out: "pull out",
+    float: "float",
     unplug_while_pressing: "unplug while pressing",
     host_silent: "host silent",
     garbage_on_the_wire: "garbage on the wire",

@@ -143,6 +143,14 @@ fn a_stale_field_is_held_faded_and_comes_back() {
     assert!((flow_at(&mut field, 180).1.flow_m_s.x - 0.4).abs() < 1e-3);
 }
 
+/// A weight is no medium at rest: nobody carries it when nobody says that it is there.
+#[test]
+fn the_bias_of_a_stale_field_fades_with_it() {
+    let heavy = Medium { bias_n: Vec3::new(0.0, -2.0, 0.0), ..Medium::default() };
+    assert_eq!(heavy.faded_to(&REST, 0.25).bias_n, Vec3::new(0.0, -0.5, 0.0));
+    assert_eq!(heavy.faded_to(&REST, 0.0), Medium::at_rest(&REST));
+}
+
 #[test]
 fn keep_prolongs_the_field_it_names_and_no_other() {
     let mut field = Field::default();

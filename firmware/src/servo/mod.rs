@@ -1,17 +1,18 @@
 //! The force that is wanted: the sum of the modes that are on. One file each; what is off is not
 //! computed.
 
+mod buoyancy;
 mod flow;
 mod surface;
 mod viscosity;
 mod walls;
 
-pub use surface::{Contact, SurfaceContact};
+pub use surface::{Contact, DAMPING_S, SurfaceContact};
 
 use cauldron_protocol::{
     Vessel,
     field::{Channel, Channels},
-    message::Modes,
+    message::{Modes, Params},
 };
 
 use crate::{field::Medium, vector::Vec3};
@@ -21,6 +22,9 @@ use crate::{field::Medium, vector::Vec3};
 pub struct Wanted {
     /// By liquid and surface: what is given to the hand is taken from them.
     pub medium_n: Vec3,
+    /// By what no medium carries: weight and buoyancy, which move no liquid. They act wherever the
+    /// field says, in the air too.
+    pub bias_n: Vec3,
     /// By the walls, which nothing moves.
     pub walls_n: Vec3,
     /// Where the walls let the handle be.
@@ -33,7 +37,7 @@ impl Wanted {
     /// All of it.
     #[must_use]
     pub fn total_n(&self) -> Vec3 {
-        self.medium_n + self.walls_n
+        self.medium_n + self.bias_n + self.walls_n
     }
 
     /// True if a wall is touched.
@@ -61,18 +65,22 @@ impl Servo {
     /// The force wanted at a position in metres and a velocity in m/s.
     pub fn force(
         &mut self,
-        modes: Modes,
+        params: &Params,
         position_m: Vec3,
         velocity_m_s: Vec3,
         medium: &Medium,
         vessel: &Vessel,
     ) -> Wanted {
-        let mut wanted = Wanted { proxy_m: position_m, ..Wanted::default() };
-        wanted.contact = self.surface.update(modes.surface, position_m, velocity_m_s, medium);
+        let (modes, pull_n) = (params.modes, params.pull_force.0);
+        let (surface, felt) = (&mut self.surface, modes.surface);
+        let contact = surface.update(felt, pull_n, position_m, velocity_m_s, medium);
+        let mut wanted =
+            Wanted { bias_n: medium.bias_n, proxy_m: position_m, contact, ..Wanted::default() };
         if modes.surface {
-            wanted.medium_n += surface::force_n(wanted.contact, position_m, velocity_m_s, medium);
+            wanted.medium_n += surface::force_n(contact, pull_n, position_m, velocity_m_s, medium);
         }
-        if wanted.contact == Contact::Wet {
+        wanted.medium_n += buoyancy::damping_n(params.buoyancy, position_m, velocity_m_s, medium);
+        if contact == Contact::Wet {
             wanted.medium_n += in_medium_n(modes, velocity_m_s, medium);
         }
         if modes.walls {
@@ -86,7 +94,7 @@ impl Servo {
 
 /// F = (c1 + c2 |w|) w with w = flow - velocity, of which each mode has its term.
 fn in_medium_n(modes: Modes, velocity_m_s: Vec3, medium: &Medium) -> Vec3 {
-    let mut force_n = medium.bias_n;
+    let mut force_n = Vec3::ZERO;
     if modes.viscosity || modes.flow {
         let flow = if modes.flow { medium.flow_m_s } else { Vec3::ZERO };
         let relative_m_s = (flow - velocity_m_s).norm();
@@ -105,6 +113,10 @@ fn in_medium_n(modes: Modes, velocity_m_s: Vec3, medium: &Medium) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cauldron_protocol::{
+        message::{Buoyancy, RestMedium},
+        units::Newtons,
+    };
 
     const ALL: Modes = Modes { surface: true, viscosity: true, flow: true, walls: true };
 
@@ -119,7 +131,22 @@ mod tests {
 
     fn force(modes: Modes, velocity: Vec3) -> Vec3 {
         let vessel = Vessel::default();
-        Servo::default().force(modes, Vec3::ZERO, velocity, &water(), &vessel).total_n()
+        Servo::default().force(&params(modes), Vec3::ZERO, velocity, &water(), &vessel).total_n()
+    }
+
+    fn params(modes: Modes) -> Params {
+        let (rest, buoyancy) = (RestMedium::default(), Buoyancy::default());
+        Params { modes, rest, pull_force: Newtons(0.0), buoyancy }
+    }
+
+    #[test]
+    fn what_no_medium_carries_acts_in_the_air_too_and_moves_no_liquid() {
+        let down = Vec3::new(0.0, -0.3, 0.0);
+        let air = Medium { bias_n: down, ..Medium::default() };
+        let still = Vec3::ZERO;
+        let wanted = Servo::default().force(&params(ALL), still, still, &air, &Vessel::default());
+        assert_eq!((wanted.contact, wanted.total_n()), (Contact::Dry, down));
+        assert_eq!(wanted.medium_n, Vec3::ZERO);
     }
 
     #[test]

@@ -1,12 +1,25 @@
-//! The surface gives like a spring and pops: F = k (y - tau v) >= 0, y the depth of the handle
-//! under it and v its own velocity upwards, until that exceeds the break force; then the probe is
-//! through and the medium begins. The damper takes no notice of the surface's velocity, which is
-//! some 30 ms old when it comes: so it can only ever take energy.
+//! The surface gives, pops, and clings: one damped spring F = k (y - tau v), y the depth of the
+//! handle under the surface and v its own velocity upwards. From above it only pushes, up to the
+//! break force; then the probe is through and the medium begins. On the way out it only pulls, up
+//! to the pull force; then the probe is free.
 //!
-//! What the spring held is not given back to the hand when it breaks.
+//! ```text
+//!          y > 0              F > break            y < 0
+//!   Dry ----------> OnSurface --------> Wet <----------------> Clinging
+//!    ^ <----------                        y > WET_AGAIN_M         |
+//!    |     y <= 0                                                 |
+//!    +------------------------------------------------------------+
+//!                      -F > pull, and y < -OUT_M
+//! ```
+//!
+//! Spring and neck begin at y = 0, so they give back no more than was put in, and what they held
+//! when they break is not given to the hand at all. The damper takes no notice of the surface's
+//! velocity, which is some 30 ms old when it comes: so it can only ever take energy. A stale
+//! surface holds nothing: it neither pushes nor pulls.
 
 use crate::{
     field::{Medium, Surface},
+    math::clamp,
     vector::Vec3,
 };
 
@@ -14,8 +27,11 @@ use crate::{
 /// plunge does not lift it out and have it pop in once more.
 const OUT_M: f32 = 2e-3;
 
+/// A probe that clings is in the medium again when it is this deep: more than a hand trembles.
+const WET_AGAIN_M: f32 = 5e-4;
+
 /// Time constant of the contact's damper.
-const DAMPING_S: f32 = 0.01;
+pub const DAMPING_S: f32 = 0.01;
 
 /// How the probe stands to the medium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,111 +43,84 @@ pub enum Contact {
     OnSurface,
     /// In the medium.
     Wet,
+    /// Out of it, but not off its surface.
+    Clinging,
 }
 
-/// Remembers whether the probe is through.
+/// Remembers how the probe stood.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceContact {
-    through: bool,
+    last: Contact,
 }
 
 impl SurfaceContact {
-    /// The contact at `position_m`; `felt` if the surface holds the probe up at all.
+    /// The contact at `position_m`; `felt` if the surface holds the probe at all, `pull_n` its
+    /// pull force.
     pub fn update(
         &mut self,
         felt: bool,
+        pull_n: f32,
         position_m: Vec3,
         velocity_m_s: Vec3,
         medium: &Medium,
     ) -> Contact {
-        let Some(surface) = medium.surface else {
-            self.through = false;
-            let fills_space =
-                medium.linear_drag_n_s_per_m > 0.0 || medium.quadratic_drag_n_s2_per_m2 > 0.0;
-            return if fills_space { Contact::Wet } else { Contact::Dry };
+        self.last = match medium.surface {
+            Some(surface) => self.next(felt, pull_n, position_m, velocity_m_s, &surface),
+            None if medium.linear_drag_n_s_per_m > 0.0 => Contact::Wet,
+            None if medium.quadratic_drag_n_s2_per_m2 > 0.0 => Contact::Wet,
+            None => Contact::Dry,
         };
+        self.last
+    }
+
+    fn next(
+        &self,
+        felt: bool,
+        pull_n: f32,
+        position_m: Vec3,
+        velocity_m_s: Vec3,
+        surface: &Surface,
+    ) -> Contact {
         let depth_m = surface.height_m - position_m.y;
-        let held = felt && surface.stiffness_n_per_m > 0.0; // a stale surface holds nothing up
-        let breaks = !held || push_n(&surface, position_m, velocity_m_s) > surface.break_force_n;
-        if depth_m < -OUT_M {
-            self.through = false;
-        } else if depth_m > 0.0 && breaks {
-            self.through = true;
-        }
-        match (self.through, depth_m > 0.0) {
-            (true, _) => Contact::Wet,
-            (false, true) => Contact::OnSurface,
-            (false, false) => Contact::Dry,
+        let held = felt && surface.stiffness_n_per_m > 0.0;
+        let force_n = spring_n(surface, position_m, velocity_m_s);
+        let breaks = !held || force_n > surface.break_force_n;
+        let lets_go = depth_m < -OUT_M && (!held || -force_n > pull_n);
+        match self.last {
+            Contact::Dry | Contact::OnSurface if depth_m <= 0.0 => Contact::Dry,
+            Contact::Dry | Contact::OnSurface if breaks => Contact::Wet,
+            Contact::Dry | Contact::OnSurface => Contact::OnSurface,
+            Contact::Wet | Contact::Clinging if lets_go => Contact::Dry,
+            Contact::Wet if depth_m < 0.0 => Contact::Clinging,
+            Contact::Clinging if depth_m > WET_AGAIN_M => Contact::Wet,
+            as_before => as_before,
         }
     }
 }
 
-/// F = k (y - tau v): a surface pushes and never pulls.
-fn push_n(surface: &Surface, position_m: Vec3, velocity_m_s: Vec3) -> f32 {
+/// k (y - tau v).
+fn spring_n(surface: &Surface, position_m: Vec3, velocity_m_s: Vec3) -> f32 {
     let depth_m = surface.height_m - position_m.y;
-    let push_m = depth_m - DAMPING_S * velocity_m_s.y;
-    if push_m > 0.0 { surface.stiffness_n_per_m * push_m } else { 0.0 }
+    surface.stiffness_n_per_m * (depth_m - DAMPING_S * velocity_m_s.y)
 }
 
-/// The force on the hand.
-pub fn force_n(contact: Contact, position_m: Vec3, velocity_m_s: Vec3, medium: &Medium) -> Vec3 {
-    match (contact, medium.surface) {
-        (Contact::OnSurface, Some(surface)) => {
-            Vec3::new(0.0, push_n(&surface, position_m, velocity_m_s), 0.0)
-        }
-        _ => Vec3::ZERO,
-    }
+/// The force on the hand: a push on the surface, a pull of at most `pull_n` while it clings.
+pub fn force_n(
+    contact: Contact,
+    pull_n: f32,
+    position_m: Vec3,
+    velocity_m_s: Vec3,
+    medium: &Medium,
+) -> Vec3 {
+    let Some(surface) = medium.surface else { return Vec3::ZERO };
+    let force_n = spring_n(&surface, position_m, velocity_m_s);
+    let vertical_n = match contact {
+        Contact::OnSurface => clamp(force_n, 0.0, f32::MAX),
+        Contact::Clinging => -clamp(-force_n, 0.0, pull_n),
+        Contact::Dry | Contact::Wet => return Vec3::ZERO,
+    };
+    Vec3::new(0.0, vertical_n, 0.0)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn over(height_m: f32) -> Medium {
-        let surface =
-            Surface { height_m, velocity_m_s: 0.0, stiffness_n_per_m: 400.0, break_force_n: 1.0 };
-        Medium { surface: Some(surface), linear_drag_n_s_per_m: 1.0, ..Medium::default() }
-    }
-
-    fn at(y: f32) -> Vec3 {
-        Vec3::new(0.0, y, 0.0)
-    }
-
-    #[test]
-    fn gives_pops_and_closes_again() {
-        let medium = over(0.01);
-        let mut surface = SurfaceContact::default();
-        assert_eq!(surface.update(true, at(0.02), Vec3::ZERO, &medium), Contact::Dry);
-        let pressed = surface.update(true, at(0.008), Vec3::ZERO, &medium);
-        assert_eq!(pressed, Contact::OnSurface);
-        let force_y_n = |v: f32| force_n(pressed, at(0.008), at(v), &medium).y;
-        assert!((force_y_n(0.0) - 0.8).abs() < 1e-5);
-        assert!((force_y_n(-0.01) - 0.84).abs() < 1e-5, "sinking costs more");
-        assert_eq!(force_y_n(1.0), 0.0, "it never pulls");
-        assert_eq!(surface.update(true, at(0.007), Vec3::ZERO, &medium), Contact::Wet);
-        assert_eq!(surface.update(true, at(0.0095), Vec3::ZERO, &medium), Contact::Wet);
-        assert_eq!(surface.update(true, at(0.0118), Vec3::ZERO, &medium), Contact::Wet);
-        assert_eq!(surface.update(true, at(0.0121), Vec3::ZERO, &medium), Contact::Dry);
-        assert_eq!(surface.update(true, at(0.0095), Vec3::ZERO, &medium), Contact::OnSurface);
-    }
-
-    #[test]
-    fn a_surface_that_is_not_felt_holds_nothing_up() {
-        let mut surface = SurfaceContact::default();
-        assert_eq!(surface.update(false, at(0.0099), Vec3::ZERO, &over(0.01)), Contact::Wet);
-        let faded = over(0.01).surface.map(|s| Surface { stiffness_n_per_m: 0.0, ..s });
-        let stale = Medium { surface: faded, ..Medium::default() };
-        assert_eq!(
-            SurfaceContact::default().update(true, at(0.0099), Vec3::ZERO, &stale),
-            Contact::Wet
-        );
-    }
-
-    #[test]
-    fn without_a_surface_the_medium_is_everywhere_or_nowhere() {
-        let mut surface = SurfaceContact::default();
-        let everywhere = Medium { linear_drag_n_s_per_m: 1.0, ..Medium::default() };
-        assert_eq!(surface.update(true, at(1.0), Vec3::ZERO, &everywhere), Contact::Wet);
-        assert_eq!(surface.update(true, at(1.0), Vec3::ZERO, &Medium::default()), Contact::Dry);
-    }
-}
+mod tests;

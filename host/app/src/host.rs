@@ -10,12 +10,12 @@ use cauldron_link::{Session, SessionError, Setup, Transport, session::Counts};
 use cauldron_protocol::{
     State, Wall, WorldFromDevice,
     message::{Ceilings, Config, Params},
-    units::{Metres, NewtonSecondsPerMetre, NewtonsPerMetre},
+    units::{Metres, NewtonSecondsPerMetre, Newtons, NewtonsPerMetre},
 };
 use glam::Vec3;
 use oorandom::Rand64;
 
-use crate::ledger::Ledger;
+use crate::{ledger::Ledger, membrane::Membrane};
 
 /// A field that has not come to act so long after it was sent is lost: its way and its wait take
 /// some 20 ms, and so does the news of it.
@@ -62,6 +62,7 @@ pub struct Host<T> {
     field_sent_us: u64,
     probe: Option<State>,
     ledger: Ledger,
+    membrane: Membrane,
     /// States that came with the last poll, oldest first.
     pub states: Vec<State>,
 }
@@ -74,7 +75,12 @@ impl<T: Transport> Host<T> {
         let step_us = (f64::from(scene.step_s) * 1e6).round() as u64;
         let loop_s = 1e-6 * (step_us + latency.total_us()) as f64;
         let baker = Baker::new(&pot, feel.world_from_device, feel.felt_scale, loop_s);
-        let params = Params { modes: feel.modes, rest: baker.rest_medium(&pot) };
+        let params = Params {
+            modes: feel.modes,
+            rest: baker.rest_medium(&pot),
+            pull_force: Newtons(baker.pull_force_n(&pot)),
+            buoyancy: baker.buoyancy(&pot),
+        };
         let config = Config { world_from_device: feel.world_from_device, ceilings: CEILINGS };
         let setup = Setup { config, vessel: vessel_of(scene), params };
         Self {
@@ -91,6 +97,7 @@ impl<T: Transport> Host<T> {
             field_sent_us: 0,
             probe: None,
             ledger: Ledger::new(f64::from(feel.felt_scale), (step_us / 1000) as u32),
+            membrane: Membrane::new(scene),
             states: Vec::new(),
         }
     }
@@ -120,7 +127,12 @@ impl<T: Transport> Host<T> {
     pub fn poll(&mut self, now_us: u64) -> Result<(), SessionError> {
         self.states.clear();
         self.states.extend_from_slice(self.session.poll(now_us)?);
-        self.states.iter().for_each(|state| self.ledger.note(state));
+        for state in &self.states {
+            self.ledger.note(state);
+            if let Some(energy_j) = self.membrane.note(state) {
+                self.pot.release(energy_j);
+            }
+        }
         self.probe = self.states.last().copied().or(self.probe);
         if self.session.counts().setups != self.setups {
             self.setups = self.session.counts().setups;

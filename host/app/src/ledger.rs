@@ -18,7 +18,7 @@ const MOST_SPREAD_TICKS: i32 = 1000;
 pub struct Given {
     /// To the liquid, while the probe is in it.
     pub to_liquid_n_s: DVec3,
-    /// To the surface, upwards, while the probe presses on it.
+    /// To the surface, upwards, while the probe presses on it or the surface clings to it.
     pub to_surface_n_s: f64,
 }
 
@@ -121,6 +121,21 @@ mod tests {
         }
         // 1e9 pN s a tick felt is 0.5e-3 N s physical, of ten ticks.
         assert!(drawn[2..].iter().all(|j| (j - 5e-3).abs() < 1e-9), "{drawn:?}");
+    }
+
+    #[test]
+    fn what_clings_pulls_the_surface_up_and_not_the_liquid() {
+        let mut ledger = Ledger::new(2.0, 10);
+        let mut sum = Given::default();
+        for tick in 0..100 {
+            let flags = if tick < 50 { Flags::ON_SURFACE } else { Flags::CLINGING };
+            ledger.note(&State { flags, ..state(tick, 1_000_000) });
+            if tick % 10 == 9 {
+                sum.to_surface_n_s += ledger.draw().to_surface_n_s;
+            }
+        }
+        assert!((sum.to_surface_n_s - 0.5e-6 * 95.0).abs() < 1e-9, "{sum:?}");
+        assert_eq!(sum.to_liquid_n_s, DVec3::ZERO);
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod failure;
 pub mod grid;
 pub mod host;
 pub mod ledger;
+pub mod membrane;
 pub mod run;
 pub mod scenes;
 pub mod sim;

@@ -88,6 +88,7 @@ fn act_in_device(act: &scenes::Act, map: &WorldFromDevice) -> Act {
             Act::Reach { to_m: point_in_device(to_m, map), seconds: seconds.into() }
         }
         scenes::Act::Rest { seconds } => Act::Rest { seconds: seconds.into() },
+        scenes::Act::LetGo { seconds } => Act::LetGo { seconds: seconds.into() },
         scenes::Act::Stir { centre_m, radius_m, seconds } => Act::Stir {
             centre_m: point_in_device(centre_m, map),
             radius_m: f64::from(radius_m / map.scale),

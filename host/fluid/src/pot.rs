@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::{
     DropView, Snapshot, SubstanceView,
     air::Air,
-    force::{Drag, Exchange},
+    force::{Drag, Exchange, Floating},
     grid::Grid,
     plan::Item,
     pool::Pool,
@@ -35,6 +35,8 @@ pub struct Totals {
     pub guard_actions: u64,
     /// Values that were refused because they were not finite.
     pub refused: u64,
+    /// Energy that the surface let go of where the probe broke through or came off.
+    pub released_j: f64,
 }
 
 /// A probe that cuts the surface damps it by its contact stiffness times this: more than the
@@ -56,6 +58,7 @@ pub struct Pot {
     splash: Option<Splash>,
     air: Option<Air>,
     drag: Drag,
+    floating: Option<Floating>,
     probe_radius_m: f32,
     probe_in_world_m: Vec3,
     exchange: Exchange,
@@ -116,6 +119,7 @@ impl Pot {
                 .map(|(_, liquid)| Splash::new(liquid.density_kg_m3, liquid.gravity_m_s2)),
             air,
             drag,
+            floating: Floating::of(scene),
             probe_radius_m: scene.probe.radius_m,
             probe_in_world_m: scene.story.start_m,
             exchange: Exchange::default(),
@@ -177,6 +181,12 @@ impl Pot {
         self.drag
     }
 
+    /// Weight and buoyancy of the probe, if it has any.
+    #[must_use]
+    pub fn floating(&self) -> Option<Floating> {
+        self.floating
+    }
+
     /// Mass of liquid that the probe's impulse moves at once: where it is now, or in the middle
     /// of the pot if that is less, since it may be there before the next field is.
     #[must_use]
@@ -228,6 +238,15 @@ impl Pot {
             let push_n = (to_surface_n_s / f64::from(dt_s)) as f32;
             surface.touch(at, self.probe_radius_m, push_n, damping);
         }
+    }
+
+    /// Takes the energy, in joules, that the surface held under the probe when it broke: it leaves
+    /// as a wave, with the next step; upwards, or downwards if it is below zero. What is not a
+    /// number is left out.
+    pub fn release(&mut self, energy_j: f64) {
+        let Some(surface) = self.surface.as_mut().filter(|_| energy_j.is_finite()) else { return };
+        surface.kick(self.probe_in_world_m, self.probe_radius_m, energy_j as f32);
+        self.totals.released_j += energy_j.abs();
     }
 
     /// Pours the substances whose bit is set for `dt_s`.

@@ -1,8 +1,10 @@
 //! The list. A scenario is one file and one row here.
 
+mod float;
 mod free_air;
 mod garbage;
 mod host_silent;
+mod pull_out;
 mod stir;
 mod through_surface;
 mod unplug;
@@ -19,6 +21,8 @@ pub const LIST: &[Scenario] = &[
     wall::SCENARIO,
     stir::SCENARIO,
     through_surface::SCENARIO,
+    pull_out::SCENARIO,
+    float::SCENARIO,
     unplug::SCENARIO,
     host_silent::SCENARIO,
     garbage::SCENARIO,

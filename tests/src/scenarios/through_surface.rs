@@ -33,11 +33,17 @@ pub const SCENARIO: Scenario = Scenario {
         let pop = pop.unwrap_or(usize::MAX);
         must(touch < pop && pop < 1700, || format!("touched at {touch}, through at {pop}"))?;
         let pressed_n = trace.force_max_n(touch..pop);
-        must((0.8 * BREAK_N..1.05 * BREAK_N).contains(&pressed_n), || {
+        must((0.95 * BREAK_N..1.05 * BREAK_N).contains(&pressed_n), || {
             format!("broke at {pressed_n} N, wanted {BREAK_N} N")
         })?;
         let relieved_n = trace.force_n(pop + 20);
         must(relieved_n < 0.6 * pressed_n, || format!("no pop: {relieved_n} N after it"))?;
+        let again = trace.first(pop, |s| s.flags.contains(Flags::ON_SURFACE));
+        must(again.is_none(), || format!("pressed on the surface again at {again:?}"))?;
+        let most_j = (0.12 * 0.12 + 0.085 * 0.085) / (2.0 * 32.0);
+        must((0.2 * most_j..most_j).contains(&trace.released_j), || {
+            format!("{} J as waves, of at most {most_j} J", trace.released_j)
+        })?;
         let out = trace.first(pop, |s| !s.flags.contains(Flags::WET)).unwrap_or(usize::MAX);
         must((2000..3000).contains(&out), || format!("came out at {out}"))?;
         let left_n = trace.force_n(2999);

@@ -73,7 +73,7 @@ impl SimBoard {
         let joints = self.arm.joints_rad(self.plant.position_m);
         let motor_n = self.arm.force_n(joints, self.torque_n_m);
         let hand_n = self.hand.force_n(self.time_s, tick_s);
-        self.plant.advance(tick_s, motor_n, self.hand.mass_kg(), hand_n);
+        self.plant.advance(tick_s, motor_n, self.hand.mass_kg(self.time_s), hand_n);
         self.time_s += tick_s;
     }
 
@@ -94,7 +94,7 @@ impl Board for SimBoard {
         Sensed {
             counts: self.counts(),
             buttons: self.hand.buttons(self.time_s),
-            deadman: true, // the hand never lets go
+            deadman: true, // a pedal, held even where the hand lets go
             link_up: self.port.up,
             overrun: false,
         }

@@ -47,10 +47,10 @@ impl Hand {
         Self { script, grip, phase }
     }
 
-    /// Mass that moves with the handle.
+    /// Mass that moves with the handle: none of a hand that let go.
     #[must_use]
-    pub fn mass_kg(&self) -> f64 {
-        self.grip.mass_kg
+    pub fn mass_kg(&self, time_s: f64) -> f64 {
+        self.script.hold(time_s) * self.grip.mass_kg
     }
 
     /// Buttons held, a bit each.
@@ -62,12 +62,12 @@ impl Hand {
     /// The force of the hand on the handle in newtons, over a tick that begins at `time_s`, as a
     /// function of the handle's position and velocity.
     pub fn force_n(&self, time_s: f64, tick_s: f64) -> impl Fn(DVec3, DVec3) -> DVec3 {
-        let grip = self.grip;
+        let (grip, hold) = (self.grip, self.script.hold(time_s));
         let aim_m = self.aim_m(time_s);
         let aim_m_s = (self.aim_m(time_s + tick_s) - aim_m) / tick_s;
         move |position_m, velocity_m_s| {
-            grip.stiffness_n_per_m * (aim_m - position_m)
-                + grip.damping_n_s_per_m * (aim_m_s - velocity_m_s)
+            hold * grip.stiffness_n_per_m * (aim_m - position_m)
+                + hold * grip.damping_n_s_per_m * (aim_m_s - velocity_m_s)
         }
     }
 

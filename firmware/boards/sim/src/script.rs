@@ -7,6 +7,10 @@ use crate::stroke::Stroke;
 /// How long the pen takes from the end of a stroke to the start of the next.
 const BETWEEN_STROKES_S: f64 = 0.12;
 
+/// How long fingers take to open, and to close again at the end.
+const OPENS_S: f64 = 0.05;
+const CLOSES_S: f64 = 0.4;
+
 /// One thing after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Act {
@@ -21,6 +25,11 @@ pub enum Act {
     /// Stays.
     Rest {
         /// How long.
+        seconds: f64,
+    },
+    /// Lets go of the handle for so long; the hand itself stays, and takes hold again there.
+    LetGo {
+        /// How long, the fingers' opening and closing included.
         seconds: f64,
     },
     /// Follows strokes one after the other in the horizontal plane of `centre_m`.
@@ -53,6 +62,8 @@ pub struct Script {
     /// Corners of the path in order of time; between them the hand means to go as `way` says.
     corners: Vec<Corner>,
     presses: Vec<Press>,
+    /// From when to when the hand lets go.
+    free_s: Vec<[f64; 2]>,
     start_m: DVec3,
 }
 
@@ -67,7 +78,7 @@ impl Script {
     /// A hand that begins at `start_m`, does `acts`, and then stays where it is.
     #[must_use]
     pub fn new(start_m: DVec3, acts: &[Act], presses: Vec<Press>) -> Self {
-        let mut script = Self { corners: Vec::new(), presses, start_m };
+        let mut script = Self { corners: Vec::new(), presses, free_s: Vec::new(), start_m };
         acts.iter().for_each(|act| script.append(act));
         script
     }
@@ -103,6 +114,16 @@ impl Script {
         from_m.lerp(to.to_m, if to.smooth { minimum_jerk(part) } else { part })
     }
 
+    /// How firmly the hand holds on, from 0 (not at all) to 1. It closes as softly as it moves, so
+    /// that a handle that drifted is not jerked back.
+    #[must_use]
+    pub fn hold(&self, time_s: f64) -> f64 {
+        let free = self.free_s.iter().find(|[from, to]| (*from..*to).contains(&time_s));
+        let Some([from, to]) = free else { return 1.0 };
+        let part = |since_s: f64, all_s: f64| minimum_jerk((since_s / all_s).clamp(0.0, 1.0));
+        (1.0 - part(time_s - from, OPENS_S)).max(part(time_s - to + CLOSES_S, CLOSES_S))
+    }
+
     /// Buttons held, a bit each.
     #[must_use]
     pub fn buttons(&self, time_s: f64) -> u8 {
@@ -115,6 +136,10 @@ impl Script {
         match act {
             Act::Reach { to_m, seconds } => self.go(now_s + seconds, *to_m, true),
             Act::Rest { seconds } => self.go(now_s + seconds, self.end_m(), false),
+            Act::LetGo { seconds } => {
+                self.free_s.push([now_s, now_s + seconds]);
+                self.go(now_s + seconds, self.end_m(), false);
+            }
             Act::Stir { centre_m, radius_m, strokes, seconds } => {
                 let place = |p: DVec2| *centre_m + *radius_m * DVec3::new(p.x, 0.0, p.y);
                 self.stir(now_s + seconds, strokes, place);
@@ -180,6 +205,18 @@ mod tests {
         let at = script.target_m(BETWEEN_STROKES_S + t);
         assert!((at - (DVec3::Y + 0.04 * DVec3::new(p.x, 0.0, p.y))).length() < 1e-9);
         assert!((script.seconds() - 5.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn fingers_open_at_once_and_close_softly() {
+        let acts = [Act::Rest { seconds: 1.0 }, Act::LetGo { seconds: 2.0 }];
+        let script = Script::new(DVec3::X, &acts, Vec::new());
+        assert_eq!(
+            [0.0, 0.99, 1.06, 2.5, 3.0, 9.0].map(|t| script.hold(t)),
+            [1., 1., 0., 0., 1., 1.]
+        );
+        assert!((script.hold(2.8) - 0.5).abs() < 1e-9 && script.hold(2.65) < 0.02);
+        assert_eq!((script.target_m(2.0), script.seconds()), (DVec3::X, 3.0));
     }
 
     #[test]

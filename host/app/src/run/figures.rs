@@ -74,6 +74,9 @@ pub struct Figures {
     pub pops: usize,
     /// Ticks in which each limit acted.
     pub limits: Vec<LimitTicks>,
+    /// Energy that left as waves where the surface broke or let go of the probe, in physical
+    /// joules.
+    pub surface_released_j: f64,
     /// Sum of |J| over the exchanges with the liquid, in physical units.
     pub impulse_n_s: f64,
     /// Sum of |J| that no liquid was in reach to take; in no other figure.
@@ -142,6 +145,7 @@ impl Figures {
             force_n_rms_wet: rms_wet_n(states),
             ticks_wet: states.iter().filter(|s| s.flags.contains(Flags::WET)).count(),
             pops: pops(states),
+            surface_released_j: totals.released_j,
             limits: limits(states),
             impulse_n_s: exchange.given_n_s(),
             impulse_untaken_n_s: exchange.untaken_n_s(),
@@ -215,9 +219,10 @@ impl Figures {
             (
                 "surface",
                 format!(
-                    "{} times through, {:.2} s in the liquid",
+                    "{} times through, {:.2} s in the liquid, {:.2} mJ left as waves",
                     self.pops,
-                    self.ticks_wet as f64 / TICKS_PER_SECOND
+                    self.ticks_wet as f64 / TICKS_PER_SECOND,
+                    1e3 * self.surface_released_j
                 ),
             ),
             (

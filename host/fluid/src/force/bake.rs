@@ -5,6 +5,10 @@
 //! times a physical one, so of F = (c1 + c2 |w|) w the device is sent
 //! u / scale, felt_scale scale c1, and felt_scale scale^2 c2.
 //!
+//! Weight and buoyancy of a probe that has them are its bias: felt_scale times their force on a
+//! sphere centred at the node, at the local height of the surface. Between the nodes, h apart, it
+//! is interpolated, which errs by at most rho g pi a h^2 / 4 for a sphere larger than that.
+//!
 //! The loop through the hand closes only after the field has travelled: a drag that could stop
 //! the liquid it moves within that time would overshoot and swing. So the drag that is sent is
 //! at most the moved mass over the loop's time, whatever the liquid (with c dt/m above 1: honey),
@@ -13,12 +17,12 @@
 use cauldron_protocol::{
     WorldFromDevice,
     field::{Channel, FieldHead, MAX_PATCH_NODES, PatchChannel, PatchHead, quantum_for},
-    message::{Keep, RestMedium},
-    units::{Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, Ticks},
+    message::{Buoyancy, Keep, RestMedium},
+    units::{Metres, NewtonSeconds2PerMetre2, NewtonSecondsPerMetre, NewtonsPerMetre, Ticks},
 };
 use glam::Vec3;
 
-use super::drag::Drag;
+use super::{Floating, drag::Drag};
 use crate::pot::Pot;
 
 /// Nodes of the window along an axis, and of the surface patch.
@@ -148,6 +152,25 @@ impl Baker {
         }
     }
 
+    /// Felt force at which the surface lets go of a probe; 0 without a surface. It is the scene's,
+    /// so it does not travel with every field.
+    #[must_use]
+    pub fn pull_force_n(&self, pot: &Pot) -> f32 {
+        pot.surface().map_or(0.0, |surface| self.felt_scale * surface.params().pull_force_n)
+    }
+
+    /// How stiffly the probe floats, at the hand; nothing for one without weight.
+    #[must_use]
+    pub fn buoyancy(&self, pot: &Pot) -> Buoyancy {
+        let scale = self.world_from_device.scale;
+        pot.floating().map_or(Buoyancy::default(), |floating| Buoyancy {
+            radius: Metres(pot.probe_radius_m() / scale),
+            stiffness: NewtonsPerMetre(
+                self.felt_scale * scale * floating.stiffness_n_per_m() as f32,
+            ),
+        })
+    }
+
     /// Forgets what was sent: the device forgot it too.
     pub fn restart(&mut self) {
         self.sent = None;
@@ -193,6 +216,11 @@ impl Baker {
                 *quantum = quantise(nodes, &mut samples);
             }
         }
+        if let Some(floating) = pot.floating() {
+            head.channels = head.channels.and(Channel::BIAS_Y);
+            let bias = self.bias(pot, floating);
+            head.quanta[Channel::BiasY as usize] = quantise(&bias, &mut samples);
+        }
         if pot.surface().is_some() {
             head.patch = Some(self.patch(pot, origin, &mut samples));
         }
@@ -213,6 +241,19 @@ impl Baker {
         values[3] = vec![linear; NODES * NODES * NODES];
         values[4] = vec![quadratic; NODES * NODES * NODES];
         values
+    }
+
+    /// The vertical bias, in felt newtons. A liquid without a surface is everywhere.
+    fn bias(&self, pot: &Pot, floating: Floating) -> Nodes {
+        let everywhere = if pot.flow().is_some() { f64::INFINITY } else { f64::NEG_INFINITY };
+        let depth_m = |at: Vec3| {
+            let level = surface_y_in_world_m(pot, at);
+            level.map_or(everywhere, |y_m| f64::from(y_m - at.y))
+        };
+        (0..NODES * NODES * NODES)
+            .map(|n| self.node(pot, [n % NODES, n / NODES % NODES, n / (NODES * NODES)]))
+            .map(|at| self.felt_scale * floating.force_n(depth_m(at)) as f32)
+            .collect()
     }
 
     /// c1 and c2 in device units.
@@ -238,9 +279,9 @@ impl Baker {
             let at = self.node(pot, [n % NODES, 0, n / NODES]);
             let node = pot.surface().map_or([0.0; 4], |surface| {
                 let params = surface.params();
-                let (height_m, speed_m_s) = surface.ahead(at);
-                let rise_m = surface.rest_height_in_world_m() + height_m;
-                let height = self.world_from_device.point_in_device([0.0, rise_m, 0.0])[1];
+                let (_, speed_m_s) = surface.ahead(at);
+                let y_m = surface_y_in_world_m(pot, at).unwrap_or(0.0);
+                let height = self.world_from_device.point_in_device([0.0, y_m, 0.0])[1];
                 [
                     height,
                     speed_m_s / scale,
@@ -259,6 +300,12 @@ impl Baker {
     }
 }
 
+/// Where the surface above or below a place will be when the field acts, if there is one.
+fn surface_y_in_world_m(pot: &Pot, at: Vec3) -> Option<f32> {
+    let surface = pot.surface()?;
+    Some(surface.rest_height_in_world_m() + surface.ahead(at).0)
+}
+
 /// Appends a channel's samples; the value of a quantum.
 fn quantise(nodes: &[f32], samples: &mut Vec<i16>) -> f32 {
     let largest = nodes.iter().fold(0.0, |most: f32, v| most.max(v.abs()));
@@ -272,3 +319,6 @@ fn quantise(nodes: &[f32], samples: &mut Vec<i16>) -> f32 {
 fn is_same_place(a: &FieldHead, b: &FieldHead) -> bool {
     FieldHead { valid_from: b.valid_from, valid_until: b.valid_until, ..*a } == *b
 }
+
+#[cfg(test)]
+mod tests;

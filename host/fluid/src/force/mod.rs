@@ -4,7 +4,11 @@
 mod bake;
 mod drag;
 mod exchange;
+mod float;
+mod meniscus;
 
 pub use bake::{Baked, Baker, Life, Update};
 pub use drag::{Drag, sphere_drag_n};
 pub use exchange::Exchange;
+pub use float::Floating;
+pub use meniscus::{Meniscus, Resistance, cap_volume_m3};

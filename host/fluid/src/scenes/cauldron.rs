@@ -42,7 +42,7 @@ fn make() -> Scene {
         surface: Some(SKIN),
         gas: None,
         start: Start::Rest,
-        probe: Probe { radius_m: 0.026 },
+        probe: Probe { radius_m: 0.026, density_kg_m3: None },
         feel: Feel {
             felt_scale: 6.0,
             world_from_device: WorldFromDevice { scale: 1.2, offset_m: [0.0; 3] },
@@ -65,7 +65,9 @@ const POTION: Liquid = Liquid {
     colour: Vec3::new(0.25, 0.42, 0.60),
 };
 
-/// A skin whose shortest waves still cross the pot in half a second and die within a few.
+/// A skin whose shortest waves still cross the pot in half a second and die within a few. It lets
+/// go of the probe at cot^2(50 deg) of the force that breaks it: as a contact angle of 100 deg
+/// would have it.
 const SKIN: SurfaceParams = SurfaceParams {
     model: "spring",
     nodes_per_cell: 1,
@@ -79,6 +81,7 @@ const SKIN: SurfaceParams = SurfaceParams {
     layer_decay_m: 0.04,
     contact_stiffness_n_per_m: 32.0,
     break_force_n: 0.12,
+    pull_force_n: 0.085,
 };
 
 fn pigment(name: &str, colour: Vec3, pour_at_m: Vec3) -> Substance {

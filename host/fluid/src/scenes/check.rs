@@ -5,7 +5,7 @@ use std::fmt;
 use glam::Vec3;
 
 use super::{Act, Gas, Scene};
-use crate::{surface::SurfaceParams, vessel::Vessel};
+use crate::{force::Floating, surface::SurfaceParams, vessel::Vessel};
 
 /// The range of a number, both ends in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +53,9 @@ impl fmt::Display for Wrong {
     }
 }
 
+/// What a spring that the device renders of a liquid may have at the hand.
+const STIFFEST_N_PER_M: f32 = 2000.0;
+
 /// Cells along an axis, and in all: a step of more would not fit into any frame.
 const CELLS: Bound = Bound::new(1.0, 512.0);
 const MOST_CELLS: usize = 128 * 128 * 128;
@@ -71,6 +74,7 @@ impl Scene {
         self.surface.as_ref().map_or(Ok(()), |s| check_surface(s, self))?;
         self.gas.as_ref().map_or(Ok(()), |gas| self.check_gas(gas))?;
         self.check_feel()?;
+        self.check_floating()?;
         self.check_story()
     }
 
@@ -164,11 +168,28 @@ impl Scene {
             _ => self.vessel.greatest_depth_m(&self.grid).min(half_edge_m),
         };
         number("probe.radius_m", self.probe.radius_m, Bound::new(1e-4, 0.8 * room_m))?;
+        let density = self.probe.density_kg_m3.unwrap_or(1.0);
+        number("probe.density_kg_m3", density, Bound::new(0.1, 2e4))?;
         number("feel.felt_scale", feel.felt_scale, Bound::new(1e-3, 1e3))?;
         number("feel.scale", feel.world_from_device.scale, Bound::new(1e-2, 1e2))?;
         place("feel.offset_m", feel.world_from_device.offset_m.into())?;
         number("feel.wall_stiffness_n_per_m", feel.wall_stiffness_n_per_m, Bound::new(0.0, 1e4))?;
         number("feel.wall_damping_n_s_per_m", feel.wall_damping_n_s_per_m, Bound::new(0.0, 100.0))
+    }
+
+    /// A probe that floats is a spring at the hand, and the device renders only so stiff a one.
+    fn check_floating(&self) -> Result<(), Wrong> {
+        let Some(density_kg_m3) = self.probe.density_kg_m3 else { return Ok(()) };
+        let floating = Floating::of(self).map_or(0.0, |f| f.stiffness_n_per_m() as f32);
+        let at_the_hand = floating * self.feel.felt_scale * self.feel.world_from_device.scale;
+        if at_the_hand <= STIFFEST_N_PER_M {
+            return Ok(());
+        }
+        let must = format!(
+            "what has a density floats too stiffly: {at_the_hand} N/m at the hand, at most \
+             {STIFFEST_N_PER_M}; lower feel.felt_scale or probe.radius_m"
+        );
+        Err(wrong("probe.density_kg_m3", &density_kg_m3, must))
     }
 
     fn check_story(&self) -> Result<(), Wrong> {
@@ -181,7 +202,7 @@ impl Scene {
                     place("story.centre_m", centre_m)?;
                     number("story.radius_m", radius_m, Bound::new(0.0, 1.0))?;
                 }
-                Act::Rest { .. } => {}
+                Act::Rest { .. } | Act::LetGo { .. } => {}
             }
         }
         for pour in &self.story.pours {
@@ -215,8 +236,9 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     number("surface.layer_decay_m", surface.layer_decay_m, Bound::new(1e-4, 1e3))?;
     number("surface.contact_stiffness_n_per_m", surface.contact_stiffness_n_per_m, STIFF)?;
     number("surface.break_force_n", surface.break_force_n, STIFF)?;
+    number("surface.pull_force_n", surface.pull_force_n, STIFF)?;
     let at_the_hand = scene.feel.felt_scale * scene.feel.world_from_device.scale;
-    let stiffest = 2000.0 / at_the_hand;
+    let stiffest = STIFFEST_N_PER_M / at_the_hand;
     let stiffness = surface.contact_stiffness_n_per_m;
     number("surface.contact_stiffness_n_per_m", stiffness, Bound::new(0.0, stiffest))?;
     if scene.liquid.is_none() {
@@ -229,7 +251,7 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     Ok(())
 }
 
-pub(super) fn number(key: &str, value: f32, bound: Bound) -> Result<(), Wrong> {
+pub(crate) fn number(key: &str, value: f32, bound: Bound) -> Result<(), Wrong> {
     if bound.holds(value) { Ok(()) } else { Err(wrong(key, &value, bound.to_string())) }
 }
 

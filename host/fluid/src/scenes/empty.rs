@@ -23,7 +23,7 @@ fn make() -> Scene {
         surface: None,
         gas: None,
         start: Start::Rest,
-        probe: Probe { radius_m: 0.01 },
+        probe: Probe { radius_m: 0.01, density_kg_m3: None },
         feel: Feel {
             felt_scale: 1.0,
             world_from_device: WorldFromDevice::default(),

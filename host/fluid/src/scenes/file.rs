@@ -50,6 +50,21 @@
 //! mesh has to reach up to it. The hand feels a bowl as a pot, and a cylinder and a mesh as the
 //! grid's box: the wire to the device has no other walls yet.
 //!
+//! What it takes to break through the surface, to come out again, and how far it dents follows
+//! from the meniscus ([`Meniscus`](crate::force::Meniscus)) where a contact angle is given and
+//! `break_force_n`, `pull_force_n` or `contact_stiffness_n_per_m` is not. Its tension is the
+//! liquid's own, by default water's; `tension_n_per_m` is that of the springs that carry waves. A
+//! probe with a density has weight, and floats or sinks:
+//!
+//! ```toml
+//! [surface]
+//! contact_angle_deg = 100.0
+//! capillary_tension_n_per_m = 0.0728
+//! [probe]
+//! radius_m = 0.003
+//! density_kg_m3 = 500.0
+//! ```
+//!
 //! An unknown key, a value of the wrong kind and one out of its range are refused with their
 //! line and key.
 
@@ -189,6 +204,22 @@ mod tests {
     }
 
     #[test]
+    fn a_contact_angle_says_what_the_file_does_not() {
+        let touch = |text: &str| {
+            let scene = read("drop.toml", text).unwrap();
+            scene.surface.map(|s| [s.break_force_n, s.pull_force_n]).unwrap()
+        };
+        let angle = "[surface]\ncontact_angle_deg = 120.0\n";
+        let ring_n = std::f32::consts::TAU * 0.003 * 0.0728;
+        let floats = touch(&format!("{angle}[probe]\nradius_m = 0.003\ndensity_kg_m3 = 500\n"));
+        assert!((floats[0] / (0.75 * ring_n) - 1.0).abs() < 1e-5, "tension alone: {floats:?}");
+        assert!((floats[1] / (0.25 * ring_n) - 1.0).abs() < 1e-5, "tension alone: {floats:?}");
+        let weightless = touch(&format!("{angle}[probe]\nradius_m = 0.003\n"));
+        assert!(weightless[0] > 1.5 * floats[0], "and buoyancy: {weightless:?} {floats:?}");
+        assert_eq!(touch(&format!("{angle}break_force_n = 0.2\n"))[0], 0.2);
+    }
+
+    #[test]
     fn a_story_can_be_told_without_stirring() {
         let scene = read("still.toml", "[story]\nstir = false\n").unwrap();
         assert!(!scene.story.acts.iter().any(|a| matches!(a, Act::Stir { .. })));
@@ -223,6 +254,21 @@ mod tests {
             ("base = \"fumes\"\n[gas]\nheight_m = 50.0\n", 3, "cells in all"),
             ("base = \"fumes\"\n[gas]\nhotter_k = 300\n", 3, "gas.hotter_k = 300"),
             ("[probe]\nradius_m = 1e40\n", 2, "probe.radius_m = inf"),
+            ("[probe]\ndensity_kg_m3 = 0\n", 2, "probe.density_kg_m3 = 0"),
+            (
+                "[probe]\ndensity_kg_m3 = 500\n[feel]\nfelt_scale = 100\n[surface]\n\
+                 contact_stiffness_n_per_m = 1\n",
+                2,
+                "too stiffly",
+            ),
+            ("[surface]\npull_force_n = -1\n", 2, "surface.pull_force_n = -1"),
+            ("[surface]\ncontact_angle_deg = 181\n", 2, "surface.contact_angle_deg = 181"),
+            (
+                "[surface]\ncontact_angle_deg = 90\ncapillary_tension_n_per_m = nan\n",
+                3,
+                "surface.capillary_tension_n_per_m = NaN",
+            ),
+            ("[surface]\ncapillary_tension_n_per_m = 0.07\n", 2, "beside a contact_angle_deg"),
         ] {
             let said = error(text);
             assert!(said.contains(&format!("line {line}:")), "{text:?}: {said}");

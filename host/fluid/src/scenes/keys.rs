@@ -118,6 +118,7 @@ struct LiquidKeys {
 #[serde(deny_unknown_fields)]
 struct ProbeKeys {
     radius_m: Number,
+    density_kg_m3: Number,
 }
 
 #[derive(Deserialize, Default)]
@@ -158,9 +159,12 @@ impl File {
         self.grid.apply(scene, lines)?;
         self.vessel.map_or(Ok(()), |v| vessel::apply(&v, scene, lines))?;
         self.liquid.map_or(Ok(()), |l| apply_liquid(&l, scene, lines))?;
-        self.surface.map_or(Ok(()), |s| surface::apply(&s, scene, lines))?;
+        self.surface.as_ref().map_or(Ok(()), |s| surface::apply(s, scene, lines))?;
         self.gas.map_or(Ok(()), |g| gas::apply(&g, scene, lines))?;
         lines.set("probe.radius_m", &mut scene.probe.radius_m, &self.probe.radius_m);
+        let density = &self.probe.density_kg_m3;
+        lines.set("probe.density_kg_m3", &mut scene.probe.density_kg_m3, density);
+        self.surface.as_ref().map_or(Ok(()), |s| surface::derive(s, scene))?;
         self.feel.apply(scene, lines);
         for (place, keys) in self.substance.iter().enumerate() {
             apply_substance(place, keys, scene, lines)?;

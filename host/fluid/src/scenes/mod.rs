@@ -12,6 +12,7 @@ mod gas;
 mod keys;
 mod taylor_green;
 
+pub(crate) use check::number;
 pub use check::{Bound, Wrong};
 pub use file::{SceneError, find, read};
 pub use gas::Gas;
@@ -131,6 +132,9 @@ pub enum Start {
 pub struct Probe {
     /// Its radius in world metres.
     pub radius_m: f32,
+    /// Its density, which gives it weight and lets it float; `None` if it is weightless and
+    /// nothing buoys it up.
+    pub density_kg_m3: Option<f32>,
 }
 
 /// How the pot is felt.
@@ -175,6 +179,11 @@ pub enum Act {
         /// Duration.
         seconds: f32,
     },
+    /// Lets go of the handle, and takes hold of it again at the end.
+    LetGo {
+        /// Duration.
+        seconds: f32,
+    },
     /// Draws circles as a person drew them.
     Stir {
         /// Middle of the circles in world metres.
@@ -191,9 +200,10 @@ impl Act {
     #[must_use]
     pub fn seconds(&self) -> f32 {
         match *self {
-            Self::Reach { seconds, .. } | Self::Rest { seconds } | Self::Stir { seconds, .. } => {
-                seconds
-            }
+            Self::Reach { seconds, .. }
+            | Self::Rest { seconds }
+            | Self::LetGo { seconds }
+            | Self::Stir { seconds, .. } => seconds,
         }
     }
 }

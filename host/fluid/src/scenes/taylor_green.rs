@@ -29,7 +29,7 @@ fn make() -> Scene {
         surface: None,
         gas: None,
         start: Start::TaylorGreen(0.3),
-        probe: Probe { radius_m: 0.012 },
+        probe: Probe { radius_m: 0.012, density_kg_m3: None },
         feel: Feel {
             felt_scale: 8.0,
             world_from_device: WorldFromDevice { scale: 1.6, offset_m: [0.0, -0.128, 0.0] },

@@ -28,4 +28,6 @@ pub struct SurfaceParams {
     pub contact_stiffness_n_per_m: f32,
     /// Force at which the probe breaks through.
     pub break_force_n: f32,
+    /// Force at which the surface lets go of a probe that comes out.
+    pub pull_force_n: f32,
 }

@@ -1,13 +1,17 @@
-//! The keys of `[surface]`.
+//! The keys of the surface, and what a contact angle says of those that are not given.
 
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Lines, Misfit, Number, lacks};
 use crate::{
-    scenes::{Scene, Wrong},
+    force::Meniscus,
+    scenes::{GRAVITY_M_S2, Scene, Wrong},
     surface,
 };
+
+/// Tension of clean water at 20 C (IAPWS 1994).
+const WATER_N_PER_M: f64 = 0.0728;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,8 +28,12 @@ pub(super) struct SurfaceKeys {
     layer_decay_m: Number,
     contact_stiffness_n_per_m: Number,
     break_force_n: Number,
+    pull_force_n: Number,
+    contact_angle_deg: Number,
+    capillary_tension_n_per_m: Number,
 }
 
+/// Sets what is given.
 pub(super) fn apply(
     keys: &Spanned<SurfaceKeys>,
     scene: &mut Scene,
@@ -53,6 +61,55 @@ pub(super) fn apply(
     let stiffness = &mut surface.contact_stiffness_n_per_m;
     lines.set("surface.contact_stiffness_n_per_m", stiffness, &keys.contact_stiffness_n_per_m);
     lines.set("surface.break_force_n", &mut surface.break_force_n, &keys.break_force_n);
+    lines.set("surface.pull_force_n", &mut surface.pull_force_n, &keys.pull_force_n);
+    let angle = keys.contact_angle_deg.iter().map(|a| ("surface.contact_angle_deg", a.span()));
+    lines.seen.extend(angle);
+    Ok(())
+}
+
+/// With a contact angle, what is not given of the touch follows from the meniscus; to be called
+/// when liquid and probe are known. The buoyancy of a probe that has a density is sent beside the
+/// surface, so the touch of that one is of the tension alone.
+pub(super) fn derive(keys: &Spanned<SurfaceKeys>, scene: &mut Scene) -> Result<(), Misfit> {
+    let keys = keys.get_ref();
+    let (probe, liquid) = (scene.probe, scene.liquid);
+    let Some(surface) = &mut scene.surface else { return Ok(()) };
+    let Some(angle) = &keys.contact_angle_deg else {
+        return keys.capillary_tension_n_per_m.as_ref().map_or(Ok(()), |tension| {
+            let (key, value) = ("surface.capillary_tension_n_per_m".into(), tension.get_ref());
+            let must = "says something only beside a contact_angle_deg".into();
+            Err((tension.span(), Wrong { key, value: value.to_string(), must }))
+        });
+    };
+    let tension = keys.capillary_tension_n_per_m.as_ref();
+    let meniscus = Meniscus::new(
+        probe.radius_m,
+        tension.map_or(WATER_N_PER_M, |t| *t.get_ref()) as f32,
+        *angle.get_ref() as f32,
+        liquid.map_or(1000.0, |l| l.density_kg_m3),
+        liquid.map_or(GRAVITY_M_S2, |l| l.gravity_m_s2),
+    );
+    let meniscus = meniscus.map_err(|wrong| {
+        let of_tension = tension.filter(|_| wrong.key.ends_with("capillary_tension_n_per_m"));
+        (of_tension.unwrap_or(angle).span(), wrong)
+    })?;
+    let touch = match probe.density_kg_m3 {
+        Some(_) => meniscus.capillary_resistance(),
+        None => meniscus.resistance(),
+    };
+    for (to, derived, given) in [
+        (&mut surface.break_force_n, touch.push_in_max_n, &keys.break_force_n),
+        (&mut surface.pull_force_n, touch.pull_out_max_n, &keys.pull_force_n),
+        (
+            &mut surface.contact_stiffness_n_per_m,
+            touch.dent_stiffness_n_per_m,
+            &keys.contact_stiffness_n_per_m,
+        ),
+    ] {
+        if given.is_none() {
+            *to = derived as f32;
+        }
+    }
     Ok(())
 }
 
