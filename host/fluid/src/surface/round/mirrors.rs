@@ -39,11 +39,11 @@ impl Mirrors {
         let (first_m, spacing_m) = (first_in_world_m(lattice), f64::from(lattice.spacing_m));
         let twice: [f64; 2] =
             from_fn(|axis| 2.0 * (axis_in_world_m[axis] - first_m[axis]) / spacing_m);
-        // What is mirrored to before the first node wraps around, to a place that is not wet.
-        let mirror = |at: [usize; 2], axis: usize| {
-            let mut mirrored = at;
-            mirrored[axis] = (twice[axis].round() as usize).wrapping_sub(at[axis]);
-            mirrored
+        // What is mirrored to before the first node goes where nothing is wet.
+        let mirror = |mut at: [usize; 2], axis: usize| {
+            let to = twice[axis].round() as i64 - at[axis] as i64;
+            at[axis] = usize::try_from(to).unwrap_or(usize::MAX);
+            at
         };
         let mirrored = from_fn(|axis| {
             (twice[axis] - twice[axis].round()).abs() < 2.0 * SLACK

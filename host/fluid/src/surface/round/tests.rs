@@ -108,7 +108,7 @@ fn what_moves_below_fades_as_between_upright_walls() {
     }
     // The slowest wave of a hemisphere near its axis, by a series of solid harmonics.
     let k = modes(&sphere(0.0, 1.0), 2, 0.1).unwrap()[0].wavenumber_below_per_m(1.0);
-    for (depth_m, part) in [(0.1, 0.8564), (0.2, 0.7366), (0.3, 0.6366), (0.5, 0.4836)] {
+    for (depth_m, part) in [(0.1, 0.8564), (0.2, 0.7366), (0.5, 0.4836)] {
         let about = (k * (1.0 - depth_m)).cosh() / k.cosh();
         assert!((about - part).abs() < 0.02, "{depth_m}: {about} {part}");
     }

@@ -77,6 +77,10 @@ fn mirrors_are_found_where_they_are() {
         mirrors.mirrored
     });
     assert_eq!(mirrored, [[true, true], [true, true], [true, false], [false, false]]);
+    // Half of a disc at the side of the box mirrors nothing in it.
+    let case = Case::new(10, [-1.0, 0.0], 0.15);
+    let mirrors = Mirrors::new(&case.lattice, case.profile.axis_in_world_m);
+    assert_eq!((mirrors.mirrored, mirrors.images.len()), ([false, true], 1));
 }
 
 #[test]
