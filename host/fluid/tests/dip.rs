@@ -75,19 +75,12 @@ fn a_turning_liquid_stands_as_a_paraboloid() {
         // Thick to the waves, so that they die soon.
         let params = SurfaceParams {
             model: row.name,
-            nodes_per_cell: 1,
-            areal_mass_kg_m2: 20.0,
-            gravity_n_per_m3: 9810.0,
-            tension_n_per_m: 0.07,
-            bend: 0.0,
             drag_n_s_per_m3: 500.0,
             tear_speed_m_s: 1e6,
             tear_slope: 1e6,
-            layer_decay_m: 0.05,
-            contact_stiffness_n_per_m: 30.0,
-            break_force_n: 0.1,
+            ..SurfaceParams::WATER
         };
-        let Ok(mut surface) = Surface::new(params, &basin) else { continue };
+        let mut surface = Surface::new(params, &basin).unwrap();
         let mut flow = turning(&setup);
         for _ in 0..200 {
             flow.step(4e-3).unwrap();
@@ -120,18 +113,10 @@ fn waves_that_die_drag_the_liquid_along() {
         simd: SimdClass::detect(),
     };
     let params = SurfaceParams {
-        model: "wave",
-        nodes_per_cell: 1,
-        areal_mass_kg_m2: 20.0,
-        gravity_n_per_m3: 9810.0,
         tension_n_per_m: 0.0,
-        bend: 0.0,
-        drag_n_s_per_m3: 0.0,
         tear_speed_m_s: 1e6,
         tear_slope: 1e6,
-        layer_decay_m: 0.05,
-        contact_stiffness_n_per_m: 30.0,
-        break_force_n: 0.1,
+        ..SurfaceParams::WATER
     };
     let mut surface = Surface::new(params, &basin).unwrap();
     let mut flow = Flow::new(&setup).unwrap();

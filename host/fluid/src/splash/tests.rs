@@ -9,20 +9,8 @@ use crate::{
 
 const DT_S: f32 = 5e-3;
 
-const THIN: SurfaceParams = SurfaceParams {
-    model: "wave",
-    nodes_per_cell: 1,
-    areal_mass_kg_m2: 20.0,
-    gravity_n_per_m3: 9810.0,
-    tension_n_per_m: 0.07,
-    bend: 0.0,
-    drag_n_s_per_m3: 100.0,
-    tear_speed_m_s: 0.5,
-    tear_slope: 0.577,
-    layer_decay_m: 0.05,
-    contact_stiffness_n_per_m: 30.0,
-    break_force_n: 0.1,
-};
+const THIN: SurfaceParams =
+    SurfaceParams { drag_n_s_per_m3: 100.0, tear_speed_m_s: 0.5, ..SurfaceParams::WATER };
 
 struct World {
     surface: Surface,

@@ -31,3 +31,23 @@ pub struct SurfaceParams {
     /// Force at which the surface lets go of a probe that comes out.
     pub pull_force_n: f32,
 }
+
+impl SurfaceParams {
+    /// Clean water at 20 C (tension: IAPWS 1994), touched by a finger's tip. Of springs, which
+    /// have no liquid below them, the mass is that of 2 cm of it.
+    pub const WATER: Self = Self {
+        model: "wave",
+        nodes_per_cell: 1,
+        areal_mass_kg_m2: 20.0,
+        gravity_n_per_m3: 9810.0,
+        tension_n_per_m: 0.0728,
+        bend: 0.0,
+        drag_n_s_per_m3: 0.0,
+        tear_speed_m_s: 0.6,
+        tear_slope: 0.577,
+        layer_decay_m: 0.05,
+        contact_stiffness_n_per_m: 30.0,
+        break_force_n: 0.1,
+        pull_force_n: 0.1,
+    };
+}

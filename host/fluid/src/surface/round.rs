@@ -48,6 +48,7 @@ pub(crate) struct RadialMode {
 impl RadialMode {
     /// f in 1/m at a distance from the axis: the integral over the disc of (f cos(m theta))^2 is
     /// 1, and f is positive at the wall.
+    #[cfg(test)]
     pub fn shape_per_m(&self, r_m: f64) -> f64 {
         let count = self.coefficients_per_m.len();
         self.combined(&zernike::values(self.waves_around, count, r_m / self.radius_m))

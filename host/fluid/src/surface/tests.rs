@@ -2,20 +2,8 @@
 
 use super::*;
 
-pub(super) const WATER: SurfaceParams = SurfaceParams {
-    model: "wave",
-    nodes_per_cell: 1,
-    areal_mass_kg_m2: 20.0,
-    gravity_n_per_m3: 9810.0,
-    tension_n_per_m: 5.0,
-    bend: 0.0,
-    drag_n_s_per_m3: 0.0,
-    tear_speed_m_s: 0.6,
-    tear_slope: 0.577,
-    layer_decay_m: 0.05,
-    contact_stiffness_n_per_m: 30.0,
-    break_force_n: 0.1,
-};
+pub(super) const WATER: SurfaceParams =
+    SurfaceParams { tension_n_per_m: 5.0, ..SurfaceParams::WATER };
 
 /// A surface over a box, 8 cells deep, of cells of 1 cm.
 pub(super) fn over_box(params: SurfaceParams, nodes: [usize; 2], viscosity_m2_s: f32) -> Surface {
