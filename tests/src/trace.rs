@@ -1,6 +1,7 @@
 //! What a rig saw of a scenario.
 
 use cauldron_firmware::trace::TraceHash;
+use cauldron_fluid::splash::SplashBooks;
 use cauldron_link::session::Counts;
 use cauldron_protocol::{Limit, State, Supervisor, state::Flags};
 use glam::DVec3;
@@ -18,6 +19,8 @@ pub struct Trace {
     pub impulse_n_s: f64,
     /// See [`Trace::impulse_n_s`].
     pub momentum_residual_rel: f64,
+    /// What left the surface as drops, and what came back.
+    pub splash: SplashBooks,
     /// Physical energy that left as waves where the surface broke or let go.
     pub released_j: f64,
 }

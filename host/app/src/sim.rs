@@ -71,7 +71,7 @@ impl SimDevice {
 /// A scene's story as the hand plays it: from world metres to device metres.
 #[must_use]
 pub fn script_of(scene: &Scene) -> Script {
-    let Story { start_m, acts, pours } = &scene.story;
+    let Story { start_m, acts, pours, .. } = &scene.story;
     let map = &scene.feel.world_from_device;
     let acts: Vec<Act> = acts.iter().map(|act| act_in_device(act, map)).collect();
     let presses = pours.iter().map(|pour| Press {

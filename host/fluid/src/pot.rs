@@ -11,7 +11,7 @@ use crate::{
     grid::Grid,
     plan::Item,
     pool::Pool,
-    scenes::{GRAVITY_M_S2, Scene, Start, Substance},
+    scenes::{GRAVITY_M_S2, Poke, Scene, Start, Substance},
     simd::SimdClass,
     solver::{Setup, SetupError, Sides, Solver, flow::Flow},
     splash::{Below, Droplet, Splash},
@@ -59,6 +59,7 @@ pub struct Pot {
     air: Option<Air>,
     drag: Drag,
     floating: Option<Floating>,
+    pokes: Vec<Poke>,
     probe_radius_m: f32,
     probe_in_world_m: Vec3,
     exchange: Exchange,
@@ -120,6 +121,7 @@ impl Pot {
             air,
             drag,
             floating: Floating::of(scene),
+            pokes: scene.story.pokes.clone(),
             probe_radius_m: scene.probe.radius_m,
             probe_in_world_m: scene.story.start_m,
             exchange: Exchange::default(),
@@ -301,6 +303,14 @@ impl Pot {
         if let Some(surface) = &mut self.surface {
             if let Some(flow) = self.flow.as_ref().filter(|flow| !flow.is_at_rest()) {
                 surface.press(|at| flow.lid_pressure_pa(at));
+            }
+            let (from_s, to_s) = (self.time_s - f64::from(dt_s), self.time_s);
+            for poke in &self.pokes {
+                let lasts_s = f64::from(poke.to_s).min(to_s) - f64::from(poke.from_s).max(from_s);
+                if lasts_s > 0.0 {
+                    let share = (lasts_s / f64::from(dt_s)) as f32;
+                    surface.touch(poke.at_m, poke.radius_m, share * poke.force_n, 0.0);
+                }
             }
             let report = surface.step(dt_s);
             self.totals.guard_actions += u64::from(report.guard_actions);

@@ -5,6 +5,8 @@ mod free_air;
 mod garbage;
 mod host_silent;
 mod pull_out;
+mod ripple;
+mod splash;
 mod stir;
 mod through_surface;
 mod unplug;
@@ -23,6 +25,8 @@ pub const LIST: &[Scenario] = &[
     through_surface::SCENARIO,
     pull_out::SCENARIO,
     float::SCENARIO,
+    ripple::SCENARIO,
+    splash::SCENARIO,
     unplug::SCENARIO,
     host_silent::SCENARIO,
     garbage::SCENARIO,
@@ -31,7 +35,7 @@ pub const LIST: &[Scenario] = &[
 /// A scene of the index, with another story.
 fn scene(name: &str, start_m: Vec3, acts: Vec<Act>) -> Scene {
     let row = scenes::INDEX.iter().find(|row| row.name == name).unwrap_or(&scenes::INDEX[0]);
-    Scene { story: Story { start_m, acts, pours: Vec::new() }, ..(row.make)() }
+    Scene { story: Story { start_m, acts, ..Story::default() }, ..(row.make)() }
 }
 
 /// The cauldron on a grid of 16 cells, which is enough for what is asked of it here.

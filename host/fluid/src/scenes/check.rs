@@ -205,6 +205,13 @@ impl Scene {
                 Act::Rest { .. } | Act::LetGo { .. } => {}
             }
         }
+        for poke in &self.story.pokes {
+            place("story.pokes.at_m", poke.at_m)?;
+            number("story.pokes.radius_m", poke.radius_m, Bound::new(1e-4, 1.0))?;
+            number("story.pokes.force_n", poke.force_n, Bound::new(-1e4, 1e4))?;
+            number("story.pokes.from_s", poke.from_s, Bound::new(0.0, 1e6))?;
+            number("story.pokes.to_s", poke.to_s, Bound::new(poke.from_s, 1e6))?;
+        }
         for pour in &self.story.pours {
             let substances = self.substances.len();
             if pour.substance >= substances || pour.substance >= 8 {

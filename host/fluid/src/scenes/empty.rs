@@ -40,7 +40,7 @@ fn make() -> Scene {
                 Act::Rest { seconds: 1.0 },
                 Act::Reach { to_m: Vec3::ZERO, seconds: 1.0 },
             ],
-            pours: Vec::new(),
+            ..Story::default()
         },
     }
 }

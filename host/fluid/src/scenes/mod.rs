@@ -10,6 +10,7 @@ mod file;
 mod fumes;
 mod gas;
 mod keys;
+mod pond;
 mod taylor_green;
 
 pub(crate) use check::number;
@@ -34,7 +35,8 @@ pub struct SceneRow {
 }
 
 /// Every scene that ships.
-pub const INDEX: &[SceneRow] = &[cauldron::ROW, empty::ROW, fumes::ROW, taylor_green::ROW];
+pub const INDEX: &[SceneRow] =
+    &[cauldron::ROW, empty::ROW, fumes::ROW, pond::ROW, taylor_green::ROW];
 
 /// A scene: plain data, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,6 +164,23 @@ pub struct Story {
     pub acts: Vec<Act>,
     /// What is poured when: button i pours substance i.
     pub pours: Vec<Pour>,
+    /// What else presses on the surface.
+    pub pokes: Vec<Poke>,
+}
+
+/// Something beside the hand that presses on the surface from one moment to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Poke {
+    /// Where, in world metres; its height does not matter.
+    pub at_m: Vec3,
+    /// How wide it is.
+    pub radius_m: f32,
+    /// Its force upwards, in physical newtons: below zero it presses.
+    pub force_n: f32,
+    /// When it begins.
+    pub from_s: f32,
+    /// When it ends.
+    pub to_s: f32,
 }
 
 /// One thing a hand does.

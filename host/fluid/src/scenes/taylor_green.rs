@@ -44,7 +44,7 @@ fn make() -> Scene {
                 Act::Rest { seconds: 2.0 },
                 Act::Reach { to_m: Vec3::new(0.06, -0.128, 0.0), seconds: 2.0 },
             ],
-            pours: Vec::new(),
+            ..Story::default()
         },
     }
 }

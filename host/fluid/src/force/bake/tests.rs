@@ -18,6 +18,7 @@ fn baked(scene: &Scene, pushed_n_s: f64) -> (Baker, Pot, Baked) {
     pot.place_probe(Vec3::ZERO);
     pot.take(glam::DVec3::ZERO, pushed_n_s, 0.01);
     pot.step(0.01);
+    pot.look_ahead(AHEAD_S);
     let life = Life { from: Ticks(0), until: Ticks(10), ahead_s: AHEAD_S };
     match baker.bake(&pot, 0.01, life) {
         Update::Field(baked) => (baker, pot, baked),
@@ -52,8 +53,7 @@ fn the_bias_of_a_node_is_its_felt_weight_and_buoyancy_and_rides_on_the_waves() {
     for n in 0..NODES * NODES * NODES {
         let node = [n % NODES, n / NODES % NODES, n / (NODES * NODES)];
         let at = baker.node(&pot, node);
-        let (height_m, speed_m_s) = surface.at(at);
-        let depth_m = f64::from(height_m + AHEAD_S * speed_m_s - at.y);
+        let depth_m = f64::from(surface.ahead(at).0 - at.y);
         let wanted_n = scene.feel.felt_scale * floating.force_n(depth_m) as f32;
         let sent_n = f32::from(baked.samples[first + n]) * quantum;
         assert!((sent_n - wanted_n).abs() <= quantum, "{node:?}: {sent_n} {wanted_n} N");
