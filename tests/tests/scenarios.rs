@@ -25,6 +25,8 @@ scenarios! {
     through_the_surface: "through the surface",
     pull_out: "pull out",
     float: "float",
+    ripple: "ripple",
+    splash: "splash",
     unplug_while_pressing: "unplug while pressing",
     host_silent: "host silent",
     garbage_on_the_wire: "garbage on the wire",

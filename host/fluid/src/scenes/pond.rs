@@ -72,7 +72,7 @@ fn story() -> Story {
         from_s,
         to_s: from_s + 0.1,
     };
-    let stone = Poke { at_m: KNOCK_M, radius_m: 0.015, force_n: -8.0, from_s: 4.5, to_s: 4.52 };
+    let stone = Poke { at_m: KNOCK_M, radius_m: 0.015, force_n: -1.5, from_s: 4.5, to_s: 4.52 };
     Story {
         start_m: HAND_M + 0.04 * Vec3::Y,
         acts: vec![

@@ -8,6 +8,7 @@
 
 mod drift;
 mod lattice;
+mod model;
 mod orbits;
 mod params;
 mod round;
@@ -18,6 +19,7 @@ mod wave;
 
 pub use drift::Fading;
 pub use lattice::Lattice;
+pub use model::{Basin, INDEX, Load, Make, Model, ModelRow, find, fits};
 pub use params::SurfaceParams;
 pub use tear::Torn;
 pub use touch::{Act, Answer, Touch};
@@ -25,9 +27,7 @@ pub use touch::{Act, Answer, Touch};
 use glam::Vec3;
 
 use self::{orbits::Orbits, tear::Change};
-use crate::{
-    grid::Grid, simd::SimdClass, snapshot::SurfaceView, solver::SetupError, vessel::Vessel,
-};
+use crate::{simd::SimdClass, snapshot::SurfaceView, solver::SetupError};
 
 /// Heights below this, and speeds of as many metres a second, are rest.
 const REST: f32 = 1e-7;
@@ -35,108 +35,8 @@ const REST: f32 = 1e-7;
 /// No height above this is kept, nor a speed of as many metres a second.
 const MOST: f32 = 1e4;
 
-/// What a surface lies on.
-#[derive(Clone, Copy)]
-pub struct Basin<'a> {
-    /// The box of cells below.
-    pub grid: &'a Grid,
-    /// What holds the liquid.
-    pub vessel: &'a Vessel,
-    /// Density of the liquid.
-    pub density_kg_m3: f32,
-    /// Kinematic viscosity of the liquid.
-    pub viscosity_m2_s: f32,
-    /// Gravity, downwards.
-    pub gravity_m_s2: f32,
-    /// The vector width to work at.
-    pub simd: SimdClass,
-}
-
-/// What acts on a surface during a step.
-#[derive(Clone, Copy, Default)]
-pub struct Load<'a> {
-    /// Bodies.
-    pub touches: &'a [Touch],
-    /// Upward force on each node, if there is any.
-    pub force_n: Option<&'a [f32]>,
-}
-
-/// How a surface moves. Its arrays have a value for each node of the lattice it was made for;
-/// those of dry nodes are 0.
-pub trait Model: Send {
-    /// Moves on by `dt_s`. Returns the number of steps it took.
-    fn step(&mut self, dt_s: f32, load: Load<'_>) -> u32;
-
-    /// Writes heights above rest in metres and vertical speeds in m/s, both without a mean.
-    fn read(&mut self, height_m: &mut [f32], speed_m_s: &mut [f32]);
-
-    /// As [`Model::read`], of the moment `ahead_s` later if nothing acts until then.
-    fn read_ahead(&mut self, ahead_s: f32, height_m: &mut [f32], speed_m_s: &mut [f32]) {
-        self.read(height_m, speed_m_s);
-        height_m.iter_mut().zip(speed_m_s).for_each(|(height, speed)| *height += ahead_s * *speed);
-    }
-
-    /// Writes the potential in m^2/s of what moves below along with the surface, and its vertical
-    /// speed, in a layer of cells counted from the surface. False for a model that has no below.
-    fn orbit(&mut self, _layer: usize, _potential: &mut [f32], _rising_m_s: &mut [f32]) -> bool {
-        false
-    }
-
-    /// Writes how what it computes fades, into fields that have a value for each node. False for a
-    /// model that has no below.
-    fn fade(&mut self, _fading: &mut Fading) -> bool {
-        false
-    }
-
-    /// Adds to heights and speeds, as far as it can tell: their mean is left out.
-    fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]);
-
-    /// Adds to heights, their mean left out, and gives an upward impulse to each node.
-    fn change(&mut self, height_m: &[f32], impulse_n_s: &[f32]);
-
-    /// Multiplies heights and speeds, by 0 to be at rest.
-    fn scale(&mut self, factor: f32);
-
-    /// Energy in joules: of motion, of height, and of tension.
-    fn energy_j(&self) -> f64;
-
-    /// Memory that it takes.
-    fn bytes(&self) -> usize;
-}
-
-/// A row of the index.
-#[derive(Clone, Copy)]
-pub struct ModelRow {
-    /// Name in scenes and on the command line.
-    pub name: &'static str,
-    /// What it is.
-    pub about: &'static str,
-    /// Makes it.
-    pub make: Make,
-}
-
-/// Makes a model at rest; [`SetupError`] if it knows nothing of such a vessel.
-pub type Make = fn(&SurfaceParams, &Lattice, &Basin<'_>) -> Result<Box<dyn Model>, SetupError>;
-
-/// Every model.
-pub const INDEX: &[ModelRow] = &[wave::ROW, spring::ROW];
-
-/// The row of that name.
-#[must_use]
-pub fn find(name: &str) -> Option<&'static ModelRow> {
-    INDEX.iter().find(|row| row.name == name)
-}
-
-/// Whether a model knows of a vessel in the box of a grid.
-///
-/// # Errors
-/// [`SetupError`] if it does not.
-pub fn fits(model: &str, vessel: &Vessel, grid: &Grid) -> Result<(), SetupError> {
-    if model == wave::ROW.name && *vessel != Vessel::Box {
-        round::Profile::of_vessel(vessel, grid)?;
-    }
-    Ok(())
-}
+/// Steps that are looked ahead at most.
+const MOST_STEPS_AHEAD: f32 = 8.0;
 
 /// What a step did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -160,6 +60,8 @@ pub struct Surface {
     /// What presses from below in the next step; empty until something does.
     force_n: Vec<f32>,
     is_pressed: bool,
+    /// Of the last step: its length, and how much of `touches` and whether `force_n` acted.
+    last: (f32, usize, bool),
     /// Height of the whole above rest, by what left and fell in.
     level_m: f64,
     /// Fastest speed and highest height, as magnitudes.
@@ -193,6 +95,7 @@ impl Surface {
             touching: 0,
             force_n: Vec::new(),
             is_pressed: false,
+            last: (0.0, 0, false),
             level_m: 0.0,
             extremes: [0.0; 2],
             change: Change::default(),
@@ -335,6 +238,7 @@ impl Surface {
             force_n: self.is_pressed.then_some(&*self.force_n),
         };
         let substeps = self.model.step(dt_s, load);
+        self.last = (dt_s, self.touching, self.is_pressed);
         (self.touching, self.is_pressed) = (0, false);
         SurfaceReport { substeps, guard_actions: self.look() }
     }
@@ -390,16 +294,27 @@ impl Surface {
         nodes * f64::from(self.lattice.node_m2())
     }
 
-    /// Looks ahead: what [`Surface::ahead`] tells is of the moment `ahead_s` from now, if nothing
-    /// acts until then.
+    /// Looks ahead: what [`Surface::ahead`] tells is of the moment `ahead_s` from now, if what
+    /// acted in the last step goes on acting until then, and what is sudden does not come again.
     pub fn look_ahead(&mut self, ahead_s: f32) {
-        if self.asleep {
+        let (dt_s, touching, is_pressed) = self.last;
+        if self.asleep || dt_s <= 0.0 || !(ahead_s > 0.0 && ahead_s.is_finite()) {
+            self.then.iter_mut().for_each(Vec::clear);
             return;
+        }
+        let steps = (ahead_s / dt_s).ceil().min(MOST_STEPS_AHEAD);
+        self.touches.iter_mut().for_each(|touch| touch.kick_j = 0.0);
+        self.model.keep();
+        for _ in 0..steps as u32 {
+            let touches = &self.touches[..touching];
+            let load = Load { touches, force_n: is_pressed.then_some(&*self.force_n) };
+            self.model.step(ahead_s / steps, load);
         }
         let [height_m, speed_m_s] = &mut self.then;
         height_m.resize(self.lattice.len(), 0.0);
         speed_m_s.resize(self.lattice.len(), 0.0);
-        self.model.read_ahead(ahead_s, height_m, speed_m_s);
+        self.model.read(height_m, speed_m_s);
+        self.model.go_back();
     }
 
     /// As [`Surface::at`], of the moment that was looked ahead to last.

@@ -45,6 +45,7 @@ pub(super) struct SpringSheet {
     stage: Motion,
     next: Motion,
     sum: Motion,
+    kept: Motion,
     /// Work space of implicit steps, if there has been one.
     implicit: Option<Box<Implicit>>,
 }
@@ -64,6 +65,7 @@ impl SpringSheet {
             stage: zeros(),
             next: zeros(),
             sum: zeros(),
+            kept: zeros(),
             implicit: None,
             springs,
         })
@@ -135,6 +137,14 @@ impl Model for SpringSheet {
         self.springs.copy_out(&self.motion.speed_m_s, speed_m_s);
     }
 
+    fn keep(&mut self) {
+        self.kept.copy(&self.motion);
+    }
+
+    fn go_back(&mut self) {
+        self.motion.copy(&self.kept);
+    }
+
     fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]) {
         let Motion { height_m: own_m, speed_m_s: own_m_s } = &mut self.motion;
         for (own, more) in [(own_m, height_m), (own_m_s, speed_m_s)] {
@@ -169,7 +179,7 @@ impl Model for SpringSheet {
     }
 
     fn bytes(&self) -> usize {
-        let motions = [&self.motion, &self.stage, &self.next, &self.sum];
+        let motions = [&self.motion, &self.stage, &self.next, &self.sum, &self.kept];
         let implicit = self.implicit.as_ref().map_or(0, |implicit| implicit.bytes());
         self.springs.bytes()
             + motions.map(Motion::bytes).iter().sum::<usize>()

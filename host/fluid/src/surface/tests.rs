@@ -1,6 +1,7 @@
 //! What every model has to do.
 
 use super::*;
+use crate::{Grid, Vessel};
 
 pub(super) const WATER: SurfaceParams =
     SurfaceParams { tension_n_per_m: 5.0, ..SurfaceParams::WATER };

@@ -64,10 +64,9 @@ struct Waves {
     answer_per_m: Vec<f32>,
     amplitude: Vec<f32>,
     speed: Vec<f32>,
-    propagator: Propagator,
-    /// To a moment that is not there yet, and what it will be then.
-    ahead: Propagator,
-    then: [Vec<f32>; 2],
+    /// For two lengths of steps: as they come, and as they are looked ahead by.
+    propagators: [Propagator; 2],
+    kept: [Vec<f32>; 2],
     /// Force on each mode, and what one touch adds to it; empty until needed.
     force: Vec<f32>,
     under: Vec<f32>,
@@ -99,9 +98,8 @@ impl Waves {
             density_kg_m3: liquid.density_kg_m3,
             amplitude: zeros(),
             speed: zeros(),
-            propagator: Propagator::default(),
-            ahead: Propagator::default(),
-            then: [Vec::new(), Vec::new()],
+            propagators: Default::default(),
+            kept: Default::default(),
             orbits: Orbits::new(depth_m, f64::from(basin.grid.spacing_m)),
             force: Vec::new(),
             under: Vec::new(),
@@ -167,9 +165,12 @@ impl Waves {
 impl Model for Waves {
     fn step(&mut self, dt_s: f32, load: Load<'_>) -> u32 {
         let is_forced = self.take(dt_s, load);
-        self.propagator.set_step(&self.damping, f64::from(dt_s));
+        if !self.propagators[0].is_of(f64::from(dt_s)) {
+            self.propagators.swap(0, 1);
+            self.propagators[0].set_step(&self.damping, f64::from(dt_s));
+        }
         let force = is_forced.then_some(&*self.force);
-        self.propagator.step(self.simd, [&mut self.amplitude, &mut self.speed], force);
+        self.propagators[0].step(self.simd, [&mut self.amplitude, &mut self.speed], force);
         1
     }
 
@@ -177,13 +178,16 @@ impl Model for Waves {
         self.basis.synthesise([&self.amplitude, &self.speed], [height_m, speed_m_s]);
     }
 
-    fn read_ahead(&mut self, ahead_s: f32, height_m: &mut [f32], speed_m_s: &mut [f32]) {
-        let [amplitude, speed] = &mut self.then;
+    fn keep(&mut self) {
+        let [amplitude, speed] = &mut self.kept;
         amplitude.clone_from(&self.amplitude);
         speed.clone_from(&self.speed);
-        self.ahead.set_step(&self.damping, f64::from(ahead_s));
-        self.ahead.step(self.simd, [amplitude, speed], None);
-        self.basis.synthesise([amplitude, speed], [height_m, speed_m_s]);
+    }
+
+    fn go_back(&mut self) {
+        let [amplitude, speed] = &self.kept;
+        self.amplitude.clone_from(amplitude);
+        self.speed.clone_from(speed);
     }
 
     fn orbit(&mut self, layer: usize, potential: &mut [f32], rising_m_s: &mut [f32]) -> bool {
@@ -267,8 +271,7 @@ impl Model for Waves {
             + size_of_val(self.modes.as_slice())
             + size_of_val(self.damping.as_slice())
             + self.orbits.bytes()
-            + self.ahead.bytes()
-            + self.propagator.bytes()
+            + self.propagators.iter().map(Propagator::bytes).sum::<usize>()
             + self.basis.bytes()
     }
 }

@@ -5,8 +5,8 @@
 //! ```text
 //! (s + 2 a)^2 + omega^2 = 4 a^2 sqrt(1 + s / a)
 //! ```
-//! For z = sqrt(1 + s/a) and Q = (omega/a)^2 that is z^4 + 2 z^2 - 4 z + 1 + Q = 0. It has no z^3, so
-//! it is (z^2 + b z + c)(z^2 - b z + d) with
+//! For z = sqrt(1 + s/a) and Q = (omega/a)^2 that is z^4 + 2 z^2 - 4 z + 1 + Q = 0. It has no z^3,
+//! so it is (z^2 + b z + c)(z^2 - b z + d) with
 //!
 //! ```text
 //! y = b^2 > 0,   y^3 + 4 y^2 - 4 Q y - 16 = 0,   c = 1 + y/2 + 2/b,   d = 1 + y/2 - 2/b

@@ -31,9 +31,14 @@ impl Propagator {
         6 * size_of_val(self.by_force[0].as_slice())
     }
 
+    /// True if the matrices are those of a step of `dt_s`.
+    pub fn is_of(&self, dt_s: f64) -> bool {
+        self.dt_s == dt_s && !self.by_force[0].is_empty()
+    }
+
     /// Makes the matrices those of a step of `dt_s`.
     pub fn set_step(&mut self, modes: &[Damping], dt_s: f64) {
-        if self.dt_s == dt_s && self.by_force[0].len() == modes.len() {
+        if self.is_of(dt_s) {
             return;
         }
         self.dt_s = dt_s;

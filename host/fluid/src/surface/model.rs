@@ -1,0 +1,107 @@
+//! What moves a surface: the trait of all models, and their index.
+
+use super::{Fading, Lattice, SurfaceParams, Touch, round, spring, wave};
+use crate::{grid::Grid, simd::SimdClass, solver::SetupError, vessel::Vessel};
+
+/// What a surface lies on.
+#[derive(Clone, Copy)]
+pub struct Basin<'a> {
+    /// The box of cells below.
+    pub grid: &'a Grid,
+    /// What holds the liquid.
+    pub vessel: &'a Vessel,
+    /// Density of the liquid.
+    pub density_kg_m3: f32,
+    /// Kinematic viscosity of the liquid.
+    pub viscosity_m2_s: f32,
+    /// Gravity, downwards.
+    pub gravity_m_s2: f32,
+    /// The vector width to work at.
+    pub simd: SimdClass,
+}
+
+/// What acts on a surface during a step.
+#[derive(Clone, Copy, Default)]
+pub struct Load<'a> {
+    /// Bodies.
+    pub touches: &'a [Touch],
+    /// Upward force on each node, if there is any.
+    pub force_n: Option<&'a [f32]>,
+}
+
+/// How a surface moves. Its arrays have a value for each node of the lattice it was made for;
+/// those of dry nodes are 0.
+pub trait Model: Send {
+    /// Moves on by `dt_s`. Returns the number of steps it took.
+    fn step(&mut self, dt_s: f32, load: Load<'_>) -> u32;
+
+    /// Writes heights above rest in metres and vertical speeds in m/s, both without a mean.
+    fn read(&mut self, height_m: &mut [f32], speed_m_s: &mut [f32]);
+
+    /// Keeps heights and speeds for [`Model::go_back`].
+    fn keep(&mut self);
+
+    /// Goes back to the heights and speeds that were kept last.
+    fn go_back(&mut self);
+
+    /// Writes the potential in m^2/s of what moves below along with the surface, and its vertical
+    /// speed, in a layer of cells counted from the surface. False for a model that has no below.
+    fn orbit(&mut self, _layer: usize, _potential: &mut [f32], _rising_m_s: &mut [f32]) -> bool {
+        false
+    }
+
+    /// Writes how what it computes fades, into fields that have a value for each node. False for a
+    /// model that has no below.
+    fn fade(&mut self, _fading: &mut Fading) -> bool {
+        false
+    }
+
+    /// Adds to heights and speeds, as far as it can tell: their mean is left out.
+    fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]);
+
+    /// Adds to heights, their mean left out, and gives an upward impulse to each node.
+    fn change(&mut self, height_m: &[f32], impulse_n_s: &[f32]);
+
+    /// Multiplies heights and speeds, by 0 to be at rest.
+    fn scale(&mut self, factor: f32);
+
+    /// Energy in joules: of motion, of height, and of tension.
+    fn energy_j(&self) -> f64;
+
+    /// Memory that it takes.
+    fn bytes(&self) -> usize;
+}
+
+/// A row of the index.
+#[derive(Clone, Copy)]
+pub struct ModelRow {
+    /// Name in scenes and on the command line.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Makes it.
+    pub make: Make,
+}
+
+/// Makes a model at rest; [`SetupError`] if it knows nothing of such a vessel.
+pub type Make = fn(&SurfaceParams, &Lattice, &Basin<'_>) -> Result<Box<dyn Model>, SetupError>;
+
+/// Every model.
+pub const INDEX: &[ModelRow] = &[wave::ROW, spring::ROW];
+
+/// The row of that name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static ModelRow> {
+    INDEX.iter().find(|row| row.name == name)
+}
+
+/// Whether a model knows of a vessel in the box of a grid.
+///
+/// # Errors
+/// [`SetupError`] if it does not.
+pub fn fits(model: &str, vessel: &Vessel, grid: &Grid) -> Result<(), SetupError> {
+    if model == wave::ROW.name && *vessel != Vessel::Box {
+        round::Profile::of_vessel(vessel, grid)?;
+    }
+    Ok(())
+}
