@@ -169,7 +169,7 @@ fn a_ball_let_go_floats_at_the_depth_that_bears_it() {
         let risen_m = world.host.pot.surface().unwrap().at(glam::Vec3::ZERO).0;
         let depth_m = f64::from(risen_m) - mean_m;
         let floating = world.host.pot.floating().unwrap();
-        let is_held = trace.has(3499, Flags::ON_SURFACE);
+        let is_held = (3000..3500).all(|tick| !trace.has(tick, Flags::WET));
         let membrane = scene.surface.map_or(0.0, |s| f64::from(s.contact_stiffness_n_per_m));
         let membrane = if is_held { membrane } else { 0.0 };
         let up_n = floating.force_n(depth_m) + membrane * depth_m.max(0.0);

@@ -337,7 +337,8 @@ impl Pot {
         let (Some(surface), Some(flow)) = (&mut self.surface, &mut self.flow) else { return };
         let gain_m_s = surface.find_drift() * dt_s / self.grid.spacing_m;
         if gain_m_s > LEAST_DRIFT_M_S {
-            flow.drag_lid(|at| surface.drift_m2_s2(at), dt_s);
+            let most_j = surface.drift_w() * f64::from(dt_s);
+            flow.drag_lid(|at| surface.drift_m2_s2(at), dt_s, most_j);
         }
     }
 

@@ -154,7 +154,7 @@ impl Splash {
         for n in 0..self.torn.len() {
             self.leave(&mut below, n);
         }
-        below.surface.settle(&self.torn, self.density_kg_m3);
+        below.surface.settle(&self.torn, self.density_kg_m3, self.gravity_m_s2);
     }
 
     fn leave(&mut self, below: &mut Below<'_>, n: usize) {
@@ -237,7 +237,7 @@ impl Splash {
         }
         self.books.merged_m3 += drop.volume_m3;
         let inside = drop.at_in_world_m.with_y(self.top_cell_y(below));
-        below.surface.merge(drop, self.density_kg_m3);
+        below.surface.merge(drop, self.density_kg_m3, self.gravity_m_s2);
         below.substances.give_back(inside, &self.content_m3[content]);
         let along = drop.velocity_m_s.with_y(0.0).as_dvec3();
         self.push(below, inside, self.density_kg_m3 * drop.volume_m3 * along);

@@ -131,6 +131,7 @@ fn what_flies_over_the_rim_is_spilled_and_the_level_falls() {
             volume_m3: 1e-6,
         }],
         1000.0,
+        9.81,
     );
     world.splash.drops.push(drop);
     world.splash.content_m3.extend([1e-7, 0.0]);

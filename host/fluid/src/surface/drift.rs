@@ -18,6 +18,8 @@ pub struct Fading {
     pub potential: Vec<f32>,
     /// How fast that fades, in m^2/s^2.
     pub potential_per_s: Vec<f32>,
+    /// How much energy fades, in watts.
+    pub power_w: f64,
     /// Stress over density at each node, in m^2/s^2.
     stress: Vec<Vec2>,
 }
@@ -59,6 +61,12 @@ impl Surface {
             largest = largest.max(stress.abs().max_element());
         }
         largest
+    }
+
+    /// The power that fades, as was found last: what drifts gets no more of it.
+    #[must_use]
+    pub fn drift_w(&self) -> f64 {
+        self.fading.power_w
     }
 
     /// The stress that was found last, at a place.

@@ -59,8 +59,11 @@ pub trait Model: Send {
     /// Adds to heights and speeds, as far as it can tell: their mean is left out.
     fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]);
 
-    /// Adds to heights, their mean left out, and gives an upward impulse to each node.
-    fn change(&mut self, height_m: &[f32], impulse_n_s: &[f32]);
+    /// Adds to heights, their mean left out.
+    fn raise(&mut self, height_m: &[f32]);
+
+    /// Gives `times` an upward impulse to each node.
+    fn strike(&mut self, impulse_n_s: &[f32], times: f32);
 
     /// Multiplies heights and speeds, by 0 to be at rest.
     fn scale(&mut self, factor: f32);

@@ -155,15 +155,20 @@ impl Model for SpringSheet {
         }
     }
 
-    fn change(&mut self, height_m: &[f32], impulse_n_s: &[f32]) {
-        for (node, (height_m, impulse_n_s)) in height_m.iter().zip(impulse_n_s).enumerate() {
-            if self.springs.is_wet(node) {
-                let at = self.springs.at(node);
-                self.motion.height_m[at] += height_m;
-                self.motion.speed_m_s[at] += impulse_n_s * self.springs.per_kg;
-            }
+    fn raise(&mut self, height_m: &[f32]) {
+        for (node, height_m) in height_m.iter().enumerate().filter(|(n, _)| self.springs.is_wet(*n))
+        {
+            self.motion.height_m[self.springs.at(node)] += height_m;
         }
         self.springs.keep_volume(&mut self.motion.height_m);
+    }
+
+    fn strike(&mut self, impulse_n_s: &[f32], times: f32) {
+        let per_kg = times * self.springs.per_kg;
+        let nodes = impulse_n_s.iter().enumerate();
+        for (node, impulse_n_s) in nodes.filter(|(node, _)| self.springs.is_wet(*node)) {
+            self.motion.speed_m_s[self.springs.at(node)] += impulse_n_s * per_kg;
+        }
         self.springs.keep_volume(&mut self.motion.speed_m_s);
     }
 

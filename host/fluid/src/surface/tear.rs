@@ -3,16 +3,18 @@
 //! A node tears where it rises faster than [`SurfaceParams::tear_speed_m_s`], or stands above a
 //! neighbour by more than [`SurfaceParams::tear_slope`] allows: Stokes' steepest wave has a slope
 //! of tan 30 degrees at its crest (Stokes 1880). What leaves is the layer that is too fast or too
-//! high, at most a fifth of the spacing thick: so thin that the liquid which gives it its momentum
-//! is heavier than it, and no energy is made. It leaves along the normal.
+//! high, and leaves along the normal. Together drops may be heavier than the liquid that gives or
+//! takes their momentum at once: so what they give up to the surface is bounded by its energy,
+//! which is never more than it was, with what fell in and without what left; the vessel bears the
+//! rest of the vertical momentum, as it bears the weight.
 
 use glam::Vec3;
 
 use super::Surface;
 use crate::splash::Droplet;
 
-/// Thickest layer that leaves a node in a step, in spacings.
-const THICKEST: f32 = 0.2;
+/// Thickest layer that leaves a node in a step, in spacings: where it is too fast, and too high.
+const THICKEST: [f32; 2] = [0.2, 4.0];
 
 /// Thinner layers do not leave: drops would be dust.
 const THINNEST: f32 = 0.002;
@@ -34,6 +36,8 @@ pub struct Change {
     height_m: Vec<f32>,
     impulse_n_s: Vec<f32>,
     volume_m3: f64,
+    /// What drops brought, without what they took.
+    energy_j: f64,
     is_open: bool,
 }
 
@@ -44,7 +48,7 @@ impl Change {
             self.height_m.resize(nodes, 0.0);
             self.impulse_n_s.clear();
             self.impulse_n_s.resize(nodes, 0.0);
-            (self.is_open, self.volume_m3) = (true, 0.0);
+            (self.is_open, self.volume_m3, self.energy_j) = (true, 0.0, 0.0);
         }
         self
     }
@@ -81,7 +85,8 @@ impl Surface {
         let is_crest = [x, z].iter().all(|[before, after]| height_m >= before.max(*after));
         let too_high_m = if is_crest { height_m - lowest_m - steepest_m } else { 0.0 };
         let spacing_m = self.lattice.spacing_m;
-        let thick_m = too_fast_m.max(0.5 * too_high_m).min(THICKEST * spacing_m);
+        let [of_speed_m, of_height_m] = THICKEST.map(|most| most * spacing_m);
+        let thick_m = too_fast_m.min(of_speed_m).max((0.5 * too_high_m).min(of_height_m));
         if thick_m < THINNEST * spacing_m {
             return None;
         }
@@ -97,41 +102,78 @@ impl Surface {
     }
 
     /// A drop falls into the surface; what it brings is there after [`Surface::settle`].
-    pub fn merge(&mut self, drop: &Droplet, density_kg_m3: f64) {
+    pub fn merge(&mut self, drop: &Droplet, density_kg_m3: f64, gravity_m_s2: f32) {
         let mut under = std::mem::take(&mut self.under);
         self.lattice.find_under(drop.at_in_world_m, drop.radius_m(), &mut under);
-        let mass_kg = density_kg_m3 * drop.volume_m3;
-        let down_n_s = (mass_kg * f64::from(drop.velocity_m_s.y)) as f32;
-        self.bring(&under, drop.volume_m3, down_n_s);
+        self.bring(&under, drop, 1.0, [density_kg_m3, f64::from(gravity_m_s2)]);
         self.under = under;
     }
 
-    /// Adds volume and upward impulse at some nodes.
-    fn bring(&mut self, under: &[(usize, f32)], volume_m3: f64, impulse_n_s: f32) {
-        let rise_m = (volume_m3 / f64::from(self.lattice.node_m2())) as f32;
+    /// Adds a drop, or takes it away, at some nodes.
+    fn bring(
+        &mut self,
+        under: &[(usize, f32)],
+        drop: &Droplet,
+        times: f64,
+        [density_kg_m3, gravity_m_s2]: [f64; 2],
+    ) {
+        let Droplet { at_in_world_m, velocity_m_s, volume_m3 } = *drop;
+        let mass_kg = times * density_kg_m3 * volume_m3;
+        let rise_m = (times * volume_m3 / f64::from(self.lattice.node_m2())) as f32;
+        let impulse_n_s = (mass_kg * f64::from(velocity_m_s.y)) as f32;
+        let above_m = f64::from(at_in_world_m.y - self.rest_height_in_world_m());
         let change = self.change.open(self.lattice.len());
         for &(node, share) in under {
             change.height_m[node] += share * rise_m;
             change.impulse_n_s[node] += share * impulse_n_s;
         }
-        change.volume_m3 += volume_m3;
+        change.volume_m3 += times * volume_m3;
+        let moving = 0.5 * f64::from(velocity_m_s.length_squared());
+        change.energy_j += mass_kg * (moving + gravity_m_s2 * above_m);
     }
 
     /// Takes away what was torn, and adds what fell.
-    pub fn settle(&mut self, torn: &[Torn], density_kg_m3: f64) {
-        for drop in torn {
-            let node = self.lattice.nearest(drop.at_in_world_m);
-            let up_n_s = density_kg_m3 * drop.volume_m3 * f64::from(drop.velocity_m_s.y);
-            self.bring(&[(node, 1.0)], -drop.volume_m3, -up_n_s as f32);
+    pub fn settle(&mut self, torn: &[Torn], density_kg_m3: f64, gravity_m_s2: f32) {
+        for &Torn { at_in_world_m, velocity_m_s, volume_m3 } in torn {
+            let node = self.lattice.nearest(at_in_world_m);
+            let drop = Droplet { at_in_world_m, velocity_m_s, volume_m3 };
+            self.bring(&[(node, 1.0)], &drop, -1.0, [density_kg_m3, f64::from(gravity_m_s2)]);
         }
         if !self.change.is_open {
             return;
         }
         self.change.is_open = false;
-        self.model.change(&self.change.height_m, &self.change.impulse_n_s);
+        self.exchange();
         let wet_m2 = f64::from(self.lattice.node_m2()) * self.lattice.wet_count() as f64;
         self.level_m += self.change.volume_m3 / wet_m2;
         self.asleep = false;
         self.look();
+    }
+
+    /// Changes heights, and gives as much of the impulses as leaves the energy within what there
+    /// is: E(c) = E(0) + B c + A c^2 for a share c of them.
+    fn exchange(&mut self) {
+        let Self { model, change, .. } = self;
+        let most_j = (model.energy_j() + change.energy_j).max(0.0);
+        model.raise(&change.height_m);
+        let none_j = model.energy_j();
+        model.strike(&change.impulse_n_s, 1.0);
+        let all_j = model.energy_j();
+        let mut left_j = all_j;
+        if all_j > most_j {
+            model.strike(&change.impulse_n_s, -2.0);
+            let back_j = model.energy_j();
+            let [a, b] = [0.5 * (all_j + back_j) - none_j, 0.5 * (all_j - back_j)];
+            let least = if a > 0.0 { (-0.5 * b / a).clamp(0.0, 1.0) } else { 0.0 };
+            let inside = b * b - 4.0 * a * (none_j - most_j);
+            let share =
+                if a > 0.0 && inside > 0.0 { (inside.sqrt() - b) / (2.0 * a) } else { least };
+            let share = share.clamp(least, 1.0);
+            model.strike(&change.impulse_n_s, (1.0 + share) as f32);
+            left_j = model.energy_j();
+        }
+        if left_j > most_j {
+            model.scale((most_j / left_j).sqrt() as f32);
+        }
     }
 }

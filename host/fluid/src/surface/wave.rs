@@ -204,6 +204,12 @@ impl Model for Waves {
 
     fn fade(&mut self, fading: &mut Fading) -> bool {
         self.under.resize(self.modes.len(), 0.0);
+        let powers = self.speed.iter().zip(self.damping.iter());
+        let powers =
+            powers.filter(|(_, damping)| damping.answer_per_m > 0.0).map(|(w, damping)| {
+                2.0 * damping.gamma_per_s * f64::from(*w).powi(2) / damping.answer_per_m
+            });
+        fading.power_w = self.density_kg_m3 * powers.sum::<f64>();
         let Self { under, modes, damping, basis, .. } = self;
         let mut write = |of: &[f32], is_potential: bool, is_rate: bool, nodal: &mut [f32]| {
             let all = under.iter_mut().zip(of).zip(modes.iter().zip(damping.iter()));
@@ -234,18 +240,23 @@ impl Model for Waves {
         }
     }
 
-    fn change(&mut self, height_m: &[f32], impulse_n_s: &[f32]) {
+    fn raise(&mut self, height_m: &[f32]) {
         self.under.resize(self.modes.len(), 0.0);
         self.basis.weigh(height_m, &mut self.nodal);
         self.basis.analyse(&self.nodal, &mut self.under);
-        let Self { amplitude, speed, under, answer_per_m, basis, .. } = self;
-        for ((own, more), answer) in amplitude.iter_mut().zip(&*under).zip(&*answer_per_m) {
+        let pairs = self.under.iter().zip(&self.answer_per_m);
+        for (own, (more, answer)) in self.amplitude.iter_mut().zip(pairs) {
             // The constant mode is the volume, which is kept.
             *own += if *answer > 0.0 { *more } else { 0.0 };
         }
-        basis.analyse(impulse_n_s, under);
-        let per_density = (1.0 / self.density_kg_m3) as f32;
-        for ((own, impulse), answer) in speed.iter_mut().zip(under).zip(answer_per_m) {
+    }
+
+    fn strike(&mut self, impulse_n_s: &[f32], times: f32) {
+        self.under.resize(self.modes.len(), 0.0);
+        self.basis.analyse(impulse_n_s, &mut self.under);
+        let per_density = times / self.density_kg_m3 as f32;
+        let pairs = self.under.iter().zip(&self.answer_per_m);
+        for (own, (impulse, answer)) in self.speed.iter_mut().zip(pairs) {
             *own += per_density * *answer * *impulse;
         }
     }

@@ -73,32 +73,61 @@ impl Flow {
     }
 
     /// Drags the top layer of cells along by a stress over density, given for x and z at places in
-    /// world metres, held for `dt_s`. Returns the change of [`Flow::momentum_n_s`].
-    pub fn drag_lid(&mut self, stress_m2_s2: impl Fn(Vec3) -> Vec2, dt_s: f32) -> DVec3 {
+    /// world metres, held for `dt_s`; less of it if that brought more energy than `most_j`. Returns
+    /// the change of [`Flow::momentum_n_s`].
+    pub fn drag_lid(
+        &mut self,
+        stress_m2_s2: impl Fn(Vec3) -> Vec2,
+        dt_s: f32,
+        most_j: f64,
+    ) -> DVec3 {
         let per_m = dt_s / self.grid.spacing_m;
-        let [nx, ny, nz] = self.layout.cells;
+        // The energy by a share s of it: a s^2 + b s.
+        let [mut a, mut b] = [0.0; 2];
+        self.visit_lid(&stress_m2_s2, |_, u, stress, mass| {
+            let gain = f64::from(per_m * stress);
+            (a, b) = (a + 0.5 * mass * gain * gain, b + mass * gain * f64::from(*u));
+        });
+        let most = most_j / self.cell_mass_kg();
+        let share = if a + b > most {
+            (((b * b + 4.0 * a * most).max(0.0).sqrt() - b) / (2.0 * a)).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        let per_m = per_m * share as f32;
         let mut change = DVec3::ZERO;
+        self.visit_lid(&stress_m2_s2, |c, u, stress, mass| {
+            let before = *u;
+            *u = (*u + per_m * stress).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S);
+            change[c] += mass * (f64::from(*u) - f64::from(before));
+        });
+        self.ghosts.fill(&mut self.velocity, Fill::Projected);
+        self.survey = None;
+        change * self.cell_mass_kg()
+    }
+
+    /// Calls `visit(axis, velocity, stress along it, mass in cells)` for the open faces across x and
+    /// z of the top layer.
+    fn visit_lid(
+        &mut self,
+        stress_m2_s2: &impl Fn(Vec3) -> Vec2,
+        mut visit: impl FnMut(usize, &mut f32, f32, f64),
+    ) {
+        let [nx, ny, nz] = self.layout.cells;
         let mass = masses(&self.faces, self.mixture.as_ref().and_then(|mixture| mixture.weight()));
         for c in [0, 2] {
             for (k, i) in (0..nz).flat_map(|k| (0..nx).map(move |i| (k, i))) {
                 let at = self.layout.index(i, ny - 1, k);
-                if self.faces.open[c][at] <= 0.0 {
-                    continue;
+                if self.faces.open[c][at] > 0.0 {
+                    let in_cells = face_in_cells(c, i, ny - 1, k);
+                    let place = self.grid.origin_in_world_m + self.grid.spacing_m * in_cells;
+                    let stress = stress_m2_s2(place);
+                    let along = if c == 0 { stress.x } else { stress.y };
+                    let mass = mass.map_or(1.0, |mass| f64::from(mass[c][at]));
+                    visit(c, &mut self.velocity[c][at], along, mass);
                 }
-                let place = self.grid.origin_in_world_m
-                    + self.grid.spacing_m * face_in_cells(c, i, ny - 1, k);
-                let stress = stress_m2_s2(place);
-                let gain = per_m * if c == 0 { stress.x } else { stress.y };
-                let u = &mut self.velocity[c][at];
-                let before = *u;
-                *u = (*u + gain).clamp(-MAX_SPEED_M_S, MAX_SPEED_M_S);
-                let kg = mass.map_or(1.0, |mass| f64::from(mass[c][at]));
-                change[c] += kg * (f64::from(*u) - f64::from(before));
             }
         }
-        self.ghosts.fill(&mut self.velocity, Fill::Projected);
-        self.survey = None;
-        change * self.cell_mass_kg()
     }
 
     /// Counts what the last projection found, for who watches the lid.
