@@ -22,6 +22,7 @@ Examples:
   cauldron run --json --fps 0               the figures alone, as one line of JSON
   cauldron scenes                           what there is to stir
   cauldron bench fluid --quick              our solver against the founding one
+  cauldron bench surface --quick            waves and springs against what they are to do
   cauldron torture fluid --seeds 50         our solver against jerks, jumps and extremes
 
 Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the device failed.";
@@ -135,18 +136,21 @@ pub struct ScenesArgs {
 pub enum BenchGroup {
     /// Flow solvers: error, time, and the ratio of their times to the founding solver's
     Fluid(BenchArgs),
+    /// Models of the surface: frequency, decay, order, volume, time, and what becomes of a poke
+    Surface(BenchArgs),
 }
 
 /// Arguments of `bench`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchArgs {
-    /// Ours and the founding solver alone, at n = 16 and 32 and where else a target is
+    /// No more than the targets need: of solvers ours and the founding one, at small n and where
+    /// else a target is
     #[arg(long)]
     pub quick: bool,
     /// One case alone
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
-    /// Threads of the solvers; rows for two threads have two
+    /// Threads of the solvers; rows for two threads have two, and surfaces one
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
     pub threads: u16,
     /// Vector width, by default the widest there is: portable, avx2 or avx512

@@ -149,6 +149,25 @@ fn a_seed_of_torture_is_a_row_and_shards_are_summed_up() {
 fn an_unknown_case_of_the_benchmark_is_refused_with_those_there_are() {
     let scratch = Scratch::new("case");
     refuses(&scratch.0, &["bench", "fluid", "--case", "mns"], &["mns", "mms", "cavity-1000"]);
+    refuses(&scratch.0, &["bench", "surface", "--case", "mms"], &["mms", "frequency", "splash"]);
+}
+
+#[test]
+fn surfaces_are_measured_drawn_and_judged_in_rows_of_the_same_kind() {
+    let scratch = Scratch::new("bench-surface");
+    let output = cauldron(&scratch.0, &["bench", "surface", "--quick", "--case", "order"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(text.contains("\u{2713}    order spring: order_less_4 <="), "{text}");
+    let args = ["bench", "surface", "--quick", "--case", "poke", "--json", "--plot", "d"];
+    let json = cauldron(&scratch.0, &args);
+    for line in String::from_utf8(json.stdout).unwrap().lines() {
+        let row: Value = serde_json::from_str(line).unwrap();
+        assert_eq!(row["group"], "surface");
+        assert!(row["params"]["dt_ms"].is_number(), "{row}");
+    }
+    let svg = fs::read_to_string(scratch.0.join("d/surface-poke.svg")).unwrap();
+    assert!(svg.contains("wave, dt/ms 1") && svg.contains("spring, dt/ms 1"), "{svg}");
 }
 
 #[test]
@@ -157,7 +176,7 @@ fn a_case_is_measured_drawn_and_judged() {
     let args = ["bench", "fluid", "--quick", "--case", "cavity-100", "--plot", "d"];
     let output = cauldron(&scratch.0, &args);
     let text = String::from_utf8(output.stdout).unwrap();
-    let line = text.lines().find(|line| line.contains("cavity-100 n=32: rms <=")).unwrap();
+    let line = text.lines().find(|line| line.contains("cavity-100 auto n=32: rms <=")).unwrap();
     let is_kept = line.starts_with('\u{2713}');
     assert_eq!(output.status.code(), Some(i32::from(!is_kept)), "{text}");
     assert!(cauldron_render::png::read(scratch.0.join("d/fluid-cavity-100.png")).is_ok());
