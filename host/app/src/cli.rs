@@ -24,6 +24,7 @@ Examples:
   cauldron bench fluid --quick              our solver against the founding one
   cauldron bench surface --quick            waves and springs against what they are to do
   cauldron torture fluid --seeds 50         our solver against jerks, jumps and extremes
+  cauldron torture surface --seeds 200      the surface against pokes, kicks, jumps and extremes
 
 Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the device failed.";
 
@@ -170,6 +171,9 @@ pub enum TortureGroup {
     /// The flow solver: seeds 0 to 7 are fixed corners, the rest is drawn
     #[command(after_help = TORTURE_EXAMPLES)]
     Fluid(TortureArgs),
+    /// The surface, of springs and of waves, with and without splashes: as the flow solver
+    #[command(after_help = TORTURE_EXAMPLES)]
+    Surface(TortureArgs),
 }
 
 const TORTURE_EXAMPLES: &str = "\
@@ -178,6 +182,7 @@ Examples:
   cauldron torture fluid --seeds 1000 --shard 3/16 --json > part-3.jsonl
   cauldron torture fluid --merge part-*.jsonl
   cauldron torture fluid --seed 1234
+  cauldron torture surface --seeds 200
 
 Shard I/N, I from 1 to N, takes every N-th seed from seed I - 1 on. The last line of --json
 sums a run up; --merge reads those lines, and fails if a seed failed or a corner was left out.";

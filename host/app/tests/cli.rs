@@ -91,6 +91,7 @@ fn wrong_usage_is_exit_code_two() {
         &["bench", "fluid", "--threads", "0"],
         &["sing"],
         &["torture", "fluid", "--seeds", "7"],
+        &["torture", "surface", "--seeds", "7"],
         &["torture", "fluid", "--shard", "3/2"],
         &["torture", "fluid", "--shard", "0/2"],
         &["torture", "fluid", "--seed", "9", "--shard", "1/2"],
@@ -143,6 +144,19 @@ fn a_seed_of_torture_is_a_row_and_shards_are_summed_up() {
     assert!(stderr(&alone).contains("corners left out: 96^3"), "{}", stderr(&alone));
     refuses(dir, &["torture", "fluid", "--merge", "even", "torn"], &["torn", "last line"]);
     refuses(dir, &["torture", "fluid", "--merge", "none"], &["none", "cannot read"]);
+    refuses(dir, &["torture", "surface", "--merge", "even"], &["torture fluid"]);
+}
+
+#[test]
+fn surfaces_are_tortured_by_the_same_rules() {
+    let scratch = Scratch::new("torture-surface");
+    let output = cauldron(&scratch.0, &["torture", "surface", "--seed", "1", "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<Value> = text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!((&lines[0]["case"], &lines[0]["method"]), (&"2x2".into(), &"spring".into()));
+    assert_eq!(lines[0]["replay"], "cauldron torture surface --seed 1");
+    assert_eq!(lines[1]["summary"]["group"], "surface");
 }
 
 #[test]
