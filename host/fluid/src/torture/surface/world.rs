@@ -28,6 +28,9 @@ const LEAST: f64 = 1e-4;
 /// Steps between jumps.
 const JUMPS_EVERY: usize = 40;
 
+/// Steps between looks below, each of which takes as long as many steps of large surfaces.
+const LOOKS_BELOW_EVERY: usize = 8;
+
 /// What drops leave and fall into.
 pub struct Liquid {
     /// The liquid.
@@ -78,7 +81,9 @@ impl<'a> World<'a> {
         }
         let at = self.place();
         self.surface.look_ahead(self.case.dt_s);
-        self.surface.look_below(at);
+        if step.is_multiple_of(LOOKS_BELOW_EVERY) {
+            self.surface.look_below(at);
+        }
         let report = self.surface.step(self.case.dt_s);
         ledger.count("guard_actions", f64::from(report.guard_actions));
         ledger.most("substeps", f64::from(report.substeps));
