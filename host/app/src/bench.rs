@@ -4,7 +4,7 @@ mod diagram;
 mod table;
 
 use cauldron_fluid::{
-    bench::{self, NAMES, Options},
+    bench::{Group, Options},
     pool::Pool,
     simd::SimdClass,
 };
@@ -15,27 +15,27 @@ use std::{
 
 use crate::{Failure, cli::BenchArgs};
 
-/// Measures the flow solvers.
+/// Measures a group.
 ///
 /// # Errors
-/// [`Failure::Check`] if a row of ours misses its target; [`Failure::Input`] if there is no such
+/// [`Failure::Check`] if a row misses its target; [`Failure::Input`] if there is no such
 /// case, or a diagram cannot be written.
-pub fn fluid(args: &BenchArgs) -> Result<(), Failure> {
-    let options = options(args)?;
-    let rows = bench::run(&options, &mut |what| eprintln!("measuring {what}"))
+pub fn run(group: &Group, args: &BenchArgs) -> Result<(), Failure> {
+    let options = options(group, args)?;
+    let rows = (group.run)(&options, &mut |what| eprintln!("measuring {what}"))
         .map_err(|refused| Failure::Check(refused.to_string()))?;
     let text: Vec<String> = if args.json {
         rows.iter().map(|row| serde_json::to_string(row).unwrap_or_default()).collect()
     } else {
-        [table::rows(&rows), table::targets(&rows)].concat()
+        [table::rows(group, &rows), table::targets(group, &rows)].concat()
     };
     writeln!(io::stdout(), "{}", text.join("\n"))
         .map_err(|e| Failure::Input(format!("cannot write to stdout: {e}")))?;
     if let Some(dir) = &args.plot {
-        diagram::write(&rows, dir)?;
+        diagram::write(group, &rows, dir)?;
     }
-    let misses: Vec<String> =
-        rows.iter().filter(|row| row.pass == Some(false)).map(table::name).collect();
+    let missed = rows.iter().filter(|row| row.pass == Some(false));
+    let misses: Vec<String> = missed.map(|row| table::name(group, row)).collect();
     if misses.is_empty() {
         Ok(())
     } else {
@@ -43,17 +43,16 @@ pub fn fluid(args: &BenchArgs) -> Result<(), Failure> {
     }
 }
 
-fn options(args: &BenchArgs) -> Result<Options, Failure> {
-    let unknown = args.case.as_deref().filter(|case| !NAMES.contains(case));
+fn options(group: &Group, args: &BenchArgs) -> Result<Options, Failure> {
+    let unknown = args.case.as_deref().filter(|case| !group.cases.contains(case));
     if let Some(case) = unknown {
-        let names = NAMES.join(", ");
+        let names = group.cases.join(", ");
         return Err(Failure::Input(format!("there is no case '{case}': there are {names}")));
     }
-    let given = if args.quick { Options::quick() } else { Options::full() };
     Ok(Options {
         case: args.case.clone(),
         pool: Arc::new(Pool::new(args.threads.into(), true)),
         simd: args.simd.unwrap_or_else(SimdClass::detect),
-        ..given
+        ..(group.options)(args.quick)
     })
 }

@@ -22,7 +22,9 @@ Examples:
   cauldron run --json --fps 0               the figures alone, as one line of JSON
   cauldron scenes                           what there is to stir
   cauldron bench fluid --quick              our solver against the founding one
+  cauldron bench surface --quick            waves and springs against what they are to do
   cauldron torture fluid --seeds 50         our solver against jerks, jumps and extremes
+  cauldron torture surface --seeds 200      the surface against pokes, kicks, jumps and extremes
 
 Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the device failed.";
 
@@ -135,18 +137,21 @@ pub struct ScenesArgs {
 pub enum BenchGroup {
     /// Flow solvers: error, time, and the ratio of their times to the founding solver's
     Fluid(BenchArgs),
+    /// Models of the surface: frequency, decay, order, volume, time, and what becomes of a poke
+    Surface(BenchArgs),
 }
 
 /// Arguments of `bench`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchArgs {
-    /// Ours and the founding solver alone, at n = 16 and 32 and where else a target is
+    /// No more than the targets need: of solvers ours and the founding one, at small n and where
+    /// else a target is
     #[arg(long)]
     pub quick: bool,
     /// One case alone
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
-    /// Threads of the solvers; rows for two threads have two
+    /// Threads of the solvers; rows for two threads have two, and surfaces one
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
     pub threads: u16,
     /// Vector width, by default the widest there is: portable, avx2 or avx512
@@ -166,6 +171,9 @@ pub enum TortureGroup {
     /// The flow solver: seeds 0 to 7 are fixed corners, the rest is drawn
     #[command(after_help = TORTURE_EXAMPLES)]
     Fluid(TortureArgs),
+    /// The surface, of springs and of waves, with and without splashes: as the flow solver
+    #[command(after_help = TORTURE_EXAMPLES)]
+    Surface(TortureArgs),
 }
 
 const TORTURE_EXAMPLES: &str = "\
@@ -174,6 +182,7 @@ Examples:
   cauldron torture fluid --seeds 1000 --shard 3/16 --json > part-3.jsonl
   cauldron torture fluid --merge part-*.jsonl
   cauldron torture fluid --seed 1234
+  cauldron torture surface --seeds 200
 
 Shard I/N, I from 1 to N, takes every N-th seed from seed I - 1 on. The last line of --json
 sums a run up; --merge reads those lines, and fails if a seed failed or a corner was left out.";

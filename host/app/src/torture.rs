@@ -3,7 +3,7 @@
 use cauldron_fluid::{
     pool::Pool,
     simd::SimdClass,
-    torture::{self, Case, Summary, Verdict},
+    torture::{self, Group, Summary, Verdict},
 };
 use cpu_time::ProcessTime;
 use serde_json::{Value, json};
@@ -21,32 +21,26 @@ use crate::{
     cli::{Shard, TortureArgs},
 };
 
-/// Checks by name, as they stand in a verdict's params, and their short names in the table.
-const CHECKS: [(&str, &str); 6] = [
-    ("energy_excess", "energy"),
-    ("mass_error", "mass"),
-    ("fraction_outside", "fraction"),
-    ("speed_m_s", "fastest"),
-    ("left_at_rest", "rest"),
-    ("guard_actions", "guard"),
-];
-
-/// Tortures the flow solver, or sums up what did.
+/// Tortures a group, or sums up what did.
 ///
 /// # Errors
 /// [`Failure::Check`] if a seed failed, or a seed or a corner of a whole run was left out;
-/// [`Failure::Input`] if an output to merge cannot be read, or stdout not be written.
-pub fn fluid(args: &TortureArgs) -> Result<(), Failure> {
+/// [`Failure::Input`] if an output to merge cannot be read, or is of another group, or stdout not be
+/// written.
+pub fn run(group: &Group, args: &TortureArgs) -> Result<(), Failure> {
     if !args.merge.is_empty() {
         let parts = args.merge.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
         let whole = Summary::merge(&parts).map_err(Failure::Input)?;
-        return conclude(&whole, args.json, true);
+        if whole.group != group.name {
+            return Err(Failure::Input(format!("they are of torture {}", whole.group)));
+        }
+        return conclude(group, &whole, args.json, true);
     }
-    let summary = run(args)?;
-    conclude(&summary, args.json, args.seed.is_none() && args.shard.is_none())
+    let summary = run_seeds(group, args)?;
+    conclude(group, &summary, args.json, args.seed.is_none() && args.shard.is_none())
 }
 
-fn run(args: &TortureArgs) -> Result<Summary, Failure> {
+fn run_seeds(group: &Group, args: &TortureArgs) -> Result<Summary, Failure> {
     let Shard { index, count } = args.shard.unwrap_or(Shard { index: 1, count: 1 });
     let seeds: Vec<u64> = match args.seed {
         Some(seed) => vec![seed],
@@ -56,15 +50,15 @@ fn run(args: &TortureArgs) -> Result<Summary, Failure> {
     let pool = Arc::new(Pool::new(args.threads.map_or(cores, usize::from), true));
     let simd = args.simd.unwrap_or_else(SimdClass::detect);
     let (from, cpu_from) = (Instant::now(), ProcessTime::now());
-    let mut summary = Summary::of(args.seed.map_or(args.seeds, |seed| seed + 1));
+    let mut summary = Summary::of(group.name, args.seed.map_or(args.seeds, |seed| seed + 1));
     if !args.json {
-        print(&head())?;
+        print(&head(group))?;
     }
     for (done, &seed) in seeds.iter().enumerate() {
         let (elapsed_s, all) = (from.elapsed().as_secs_f64(), seeds.len());
         eprintln!("seed {seed} ({} of {all}, {elapsed_s:.0} s)", done + 1);
-        let verdict = torture::run(&Case::of_seed(seed), &pool, simd);
-        print(&if args.json { json_line(&verdict)? } else { line(&verdict) })?;
+        let verdict = (group.run)(seed, &pool, simd);
+        print(&if args.json { json_line(&verdict)? } else { line(group, &verdict) })?;
         if !verdict.failures.is_empty() {
             eprintln!("seed {seed} failed; this does it again: {}", verdict.replay);
         }
@@ -76,9 +70,14 @@ fn run(args: &TortureArgs) -> Result<Summary, Failure> {
 }
 
 /// Says how it went. Only a whole run is asked for its corners.
-fn conclude(summary: &Summary, is_json: bool, is_whole: bool) -> Result<(), Failure> {
+fn conclude(
+    group: &Group,
+    summary: &Summary,
+    is_json: bool,
+    is_whole: bool,
+) -> Result<(), Failure> {
     let (corners, seeds) = if is_whole {
-        (summary.corners_left_out(), summary.seeds_left_out())
+        (summary.corners_left_out(group), summary.seeds_left_out())
     } else {
         Default::default()
     };
@@ -127,30 +126,32 @@ fn read(path: &Path) -> Result<Summary, Failure> {
     let last = text.lines().last().unwrap_or_default();
     let value: Value = serde_json::from_str(last).unwrap_or_default();
     serde_json::from_value(value["summary"].clone())
-        .map_err(|_| wrong("its last line is not the summary of torture fluid --json".into()))
+        .map_err(|_| wrong("its last line is not the summary of torture --json".into()))
 }
 
 fn json_line(verdict: &Verdict) -> Result<String, Failure> {
     serde_json::to_string(verdict).map_err(|e| Failure::Input(format!("cannot write JSON: {e}")))
 }
 
-fn head() -> String {
-    let checks: String = CHECKS.iter().map(|(_, short)| format!(" {short:>8}")).collect();
-    format!("{:>5} {:<13} {:>11}{checks} {:>9}", "seed", "case", "cells", "ms/step")
+fn head(group: &Group) -> String {
+    let checks: String = group.checks.iter().map(|(_, short)| format!(" {short:>8}")).collect();
+    format!("{:>5} {:<13} {:>11}{checks} {:>9}", "seed", "case", "size", "ms/step")
 }
 
-fn line(verdict: &Verdict) -> String {
+fn line(group: &Group, verdict: &Verdict) -> String {
     let row = &verdict.row;
-    let edge = |name| row.number(name).unwrap_or(f64::NAN).to_string();
-    let cells = ["cells_x", "cells_y", "cells_z"].map(edge).join("x");
-    let checks: String = CHECKS
+    let edge = |name: &str| row.number(name).unwrap_or(f64::NAN).to_string();
+    let size: Vec<String> = group.size.iter().map(|name| edge(name)).collect();
+    let size = size.join("x");
+    let checks: String = group
+        .checks
         .iter()
         .map(|(name, _)| row.number(name).map_or("-".into(), |value| format!("{value:.1e}")))
         .map(|value| format!(" {value:>8}"))
         .collect();
     let ms = verdict.row.ms.map_or("-".into(), |ms| format!("{ms:.2}"));
     let mut line =
-        format!("{:>5} {:<13} {cells:>11}{checks} {ms:>9}", verdict.seed, verdict.row.case);
+        format!("{:>5} {:<13} {size:>11}{checks} {ms:>9}", verdict.seed, verdict.row.case);
     if let Some(why) = &verdict.unsupported {
         line += &format!("  beyond the solver: {why}");
     }

@@ -91,6 +91,7 @@ fn wrong_usage_is_exit_code_two() {
         &["bench", "fluid", "--threads", "0"],
         &["sing"],
         &["torture", "fluid", "--seeds", "7"],
+        &["torture", "surface", "--seeds", "7"],
         &["torture", "fluid", "--shard", "3/2"],
         &["torture", "fluid", "--shard", "0/2"],
         &["torture", "fluid", "--seed", "9", "--shard", "1/2"],
@@ -143,12 +144,44 @@ fn a_seed_of_torture_is_a_row_and_shards_are_summed_up() {
     assert!(stderr(&alone).contains("corners left out: 96^3"), "{}", stderr(&alone));
     refuses(dir, &["torture", "fluid", "--merge", "even", "torn"], &["torn", "last line"]);
     refuses(dir, &["torture", "fluid", "--merge", "none"], &["none", "cannot read"]);
+    refuses(dir, &["torture", "surface", "--merge", "even"], &["torture fluid"]);
+}
+
+#[test]
+fn surfaces_are_tortured_by_the_same_rules() {
+    let scratch = Scratch::new("torture-surface");
+    let output = cauldron(&scratch.0, &["torture", "surface", "--seed", "1", "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<Value> = text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!((&lines[0]["case"], &lines[0]["method"]), (&"2x2".into(), &"spring".into()));
+    assert_eq!(lines[0]["replay"], "cauldron torture surface --seed 1");
+    assert_eq!(lines[1]["summary"]["group"], "surface");
 }
 
 #[test]
 fn an_unknown_case_of_the_benchmark_is_refused_with_those_there_are() {
     let scratch = Scratch::new("case");
     refuses(&scratch.0, &["bench", "fluid", "--case", "mns"], &["mns", "mms", "cavity-1000"]);
+    refuses(&scratch.0, &["bench", "surface", "--case", "mms"], &["mms", "frequency", "splash"]);
+}
+
+#[test]
+fn surfaces_are_measured_drawn_and_judged_in_rows_of_the_same_kind() {
+    let scratch = Scratch::new("bench-surface");
+    let output = cauldron(&scratch.0, &["bench", "surface", "--quick", "--case", "order"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(text.contains("\u{2713}    order spring: order_less_4 <="), "{text}");
+    let args = ["bench", "surface", "--quick", "--case", "poke", "--json", "--plot", "d"];
+    let json = cauldron(&scratch.0, &args);
+    for line in String::from_utf8(json.stdout).unwrap().lines() {
+        let row: Value = serde_json::from_str(line).unwrap();
+        assert_eq!(row["group"], "surface");
+        assert!(row["params"]["dt_ms"].is_number(), "{row}");
+    }
+    let svg = fs::read_to_string(scratch.0.join("d/surface-poke.svg")).unwrap();
+    assert!(svg.contains("wave, dt/ms 1") && svg.contains("spring, dt/ms 1"), "{svg}");
 }
 
 #[test]
@@ -157,7 +190,7 @@ fn a_case_is_measured_drawn_and_judged() {
     let args = ["bench", "fluid", "--quick", "--case", "cavity-100", "--plot", "d"];
     let output = cauldron(&scratch.0, &args);
     let text = String::from_utf8(output.stdout).unwrap();
-    let line = text.lines().find(|line| line.contains("cavity-100 n=32: rms <=")).unwrap();
+    let line = text.lines().find(|line| line.contains("cavity-100 auto n=32: rms <=")).unwrap();
     let is_kept = line.starts_with('\u{2713}');
     assert_eq!(output.status.code(), Some(i32::from(!is_kept)), "{text}");
     assert!(cauldron_render::png::read(scratch.0.join("d/fluid-cavity-100.png")).is_ok());

@@ -1,9 +1,6 @@
 //! Work-precision diagrams: error over the run time that it takes.
 
-use cauldron_fluid::bench::{
-    Row,
-    target::{OURS, Target},
-};
+use cauldron_fluid::bench::{Group, Row, target::Target};
 use cauldron_render::{
     Plot,
     plot::{Axis, Panel, Series, Span, Style},
@@ -17,36 +14,42 @@ use crate::Failure;
 const SIZE: [usize; 2] = [1000, 640];
 
 /// Writes a diagram of each case whose error and time were measured, as PNG and SVG.
-pub fn write(rows: &[Row], dir: &Path) -> Result<(), Failure> {
+pub fn write(group: &Group, rows: &[Row], dir: &Path) -> Result<(), Failure> {
     let cannot = |why: &dyn std::fmt::Display| {
         Failure::Input(format!("cannot write into {}: {why}", dir.display()))
     };
     fs::create_dir_all(dir).map_err(|e| cannot(&e))?;
     let mut cases: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
-    let is_timed = |row: &&Row| row.ms.is_some() && row.ratio_to_founding.is_some();
+    let is_timed = |row: &&Row| row.ms.is_some() && row.unit == "1";
     for row in rows.iter().filter(is_timed) {
         cases.entry(&row.case).or_default().push(row);
     }
     for (case, rows) in cases {
-        let (plot, [width, height]) = (diagram(case, &rows), SIZE);
-        let path = |ending: &str| dir.join(format!("fluid-{case}.{ending}"));
+        let (plot, [width, height]) = (diagram(group, case, &rows), SIZE);
+        let path = |ending: &str| dir.join(format!("{}-{case}.{ending}", group.name));
         png::write(path("png"), &plot.draw(width, height)).map_err(|e| cannot(&e))?;
         svg::write(path("svg"), &plot.svg(width, height)).map_err(|e| cannot(&e))?;
     }
     Ok(())
 }
 
-/// A line over n for each solver at the longest of its steps, and for ours at each length.
-fn diagram(case: &str, rows: &[&Row]) -> Plot {
-    let longest = rows.iter().filter_map(|row| row.number("cfl")).fold(0.0, f64::max);
+/// A line over n for each method at the longest of its steps, and for those that targets are for at
+/// each length.
+fn diagram(group: &Group, case: &str, rows: &[&Row]) -> Plot {
+    let [step, called] = group.step;
+    let longest = rows.iter().filter_map(|row| row.number(step)).fold(0.0, f64::max);
+    let is_asked = |row: &Row| group.targets.iter().any(|target| target.method == row.method);
     let mut lines: Vec<Series> = Vec::new();
     for row in rows {
-        let cfl = row.number("cfl").unwrap_or(longest);
-        if cfl < longest && row.method != OURS {
+        let length = row.number(step).unwrap_or(longest);
+        if length < longest && !is_asked(row) {
             continue;
         }
-        let label =
-            if cfl < longest { format!("{}, CFL {cfl}", row.method) } else { row.method.clone() };
+        let label = if length < longest {
+            format!("{}, {called} {length}", row.method)
+        } else {
+            row.method.clone()
+        };
         let at = lines.iter().position(|line| line.label == label).unwrap_or_else(|| {
             let line = Series::line(label, Vec::new(), lines.len());
             lines.push(Series { style: Style::MarkedLine, ..line });
@@ -55,12 +58,8 @@ fn diagram(case: &str, rows: &[&Row]) -> Plot {
         lines[at].points.push([row.total_ms().unwrap_or(f64::NAN), row.value]);
         lines[at].notes.push(row.n.map_or(String::new(), |n| n.to_string()));
     }
-    let title = match longest {
-        0.0 => format!("{case}: error against time; beside the marks: cells along an edge"),
-        cfl => {
-            format!("{case}, CFL {cfl}: error against time; beside the marks: cells along an edge")
-        }
-    };
+    let at = if longest > 0.0 { format!(", {called} {longest}") } else { String::new() };
+    let title = format!("{case}{at}: error against time; beside the marks: n along an edge");
     let time = if rows.iter().any(|row| row.number("steps").is_some()) {
         "CPU time of the whole run, all threads [ms]"
     } else {

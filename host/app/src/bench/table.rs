@@ -2,28 +2,29 @@
 
 use cauldron_fluid::{
     bench::{
-        Param, Row,
+        Group, Param, Row,
         target::{Target, verdicts},
     },
     simd::SimdClass,
 };
 
 /// What a row is of.
-pub fn name(row: &Row) -> String {
-    let cfl = row.number("cfl").map_or(String::new(), |cfl| format!(" CFL {cfl}"));
-    format!("{} {} n={}{cfl} {}", row.case, row.method, row.n.unwrap_or(0), row.quantity)
+pub fn name(group: &Group, row: &Row) -> String {
+    let [step, called] = group.step;
+    let step = row.number(step).map_or(String::new(), |step| format!(" {called} {step}"));
+    format!("{} {} n={}{step} {}", row.case, row.method, row.n.unwrap_or(0), row.quantity)
 }
 
 /// A head, and a line for each row.
-pub fn rows(rows: &[Row]) -> Vec<String> {
+pub fn rows(group: &Group, rows: &[Row]) -> Vec<String> {
     let head = format!(
-        "{:<18} {:<20} {:>3} {:>4} {:>5} {:<17} {:<22} {:>9} {:>8} {:>4} {:>9} {:>10}",
+        "{:<18} {:<20} {:>3} {:>5} {:>5} {:<17} {:<22} {:>9} {:>8} {:>4} {:>9} {:>10}",
         "case",
         "method",
         "n",
-        "CFL",
+        group.step[1],
         "steps",
-        "scheme",
+        group.word,
         "quantity",
         "value",
         "target",
@@ -31,13 +32,13 @@ pub fn rows(rows: &[Row]) -> Vec<String> {
         "ms/step",
         "founding"
     );
-    std::iter::once(head).chain(rows.iter().map(line)).collect()
+    std::iter::once(head).chain(rows.iter().map(|row| line(group, row))).collect()
 }
 
-fn line(row: &Row) -> String {
+fn line(group: &Group, row: &Row) -> String {
     let number = |name| row.number(name).map_or(String::new(), |value| value.to_string());
-    let scheme = match row.params.get("scheme") {
-        Some(Param::Word(scheme)) => scheme,
+    let word = match row.params.get(group.word) {
+        Some(Param::Word(word)) => word,
         _ => "",
     };
     let target = row.target.map_or(String::new(), |target| format!("{target:.2e}"));
@@ -45,12 +46,12 @@ fn line(row: &Row) -> String {
     let ms = row.ms.map_or(String::new(), |ms| format!("{ms:.3}"));
     let ratio = row.ratio_to_founding.map_or(String::new(), part);
     format!(
-        "{:<18} {:<20} {:>3} {:>4} {:>5} {scheme:<17} {:<22} {:>9.2e} {target:>8} {pass:>4} \
+        "{:<18} {:<20} {:>3} {:>5} {:>5} {word:<17} {:<22} {:>9.2e} {target:>8} {pass:>4} \
          {ms:>9} {ratio:>10}",
         row.case,
         row.method,
         row.n.unwrap_or(0),
-        number("cfl"),
+        number(group.step[0]),
         number("steps"),
         row.quantity,
         row.value,
@@ -63,12 +64,13 @@ fn part(ratio: f64) -> String {
 }
 
 /// A line for each target of the cases that were run: what was measured, and whether that will do.
-pub fn targets(rows: &[Row]) -> Vec<String> {
+pub fn targets(group: &Group, rows: &[Row]) -> Vec<String> {
     let simd = rows.iter().find_map(|row| row.simd).and_then(SimdClass::parse);
     let simd = simd.unwrap_or(SimdClass::Portable);
-    let head = [String::new(), format!("targets of ours with {}", simd.name())];
+    let head = [String::new(), format!("targets with {}", simd.name())];
     let is_asked = |target: &Target| rows.iter().any(|row| row.case == target.case);
-    let asked_for = verdicts(rows).into_iter().filter(|verdict| is_asked(verdict.target));
+    let asked_for =
+        verdicts(group.targets, rows).into_iter().filter(|verdict| is_asked(verdict.target));
     let lines = asked_for.map(|verdict| {
         let mark = match verdict.row.and_then(|row| row.pass) {
             Some(true) => "\u{2713}   ",
@@ -87,7 +89,8 @@ fn asked(target: &Target, simd: SimdClass) -> String {
     let time = target
         .ratio(simd)
         .map_or(String::new(), |ratio| format!(" in {} of the time", part(ratio)));
-    format!("{}{n}{cfl}: {} <= {:.2e}{time}", target.case, target.quantity, target.at_most)
+    let Target { case, method, quantity, at_most, .. } = target;
+    format!("{case} {method}{n}{cfl}: {quantity} <= {at_most:.2e}{time}")
 }
 
 fn measured(row: &Row) -> String {

@@ -1,5 +1,5 @@
-//! `bench fluid`: run time against error, of every solver of the index, and what ours is to
-//! reach ([`target::TARGETS`]).
+//! Run time against error, by groups: `bench fluid` ([`FLUID`]) of every solver of the index, and
+//! what ours is to reach ([`target::TARGETS`]); `bench surface` ([`surface`]).
 //!
 //! Every case is written against what the crate offers to anybody. Where solvers are compared
 //! they are given the same steps, one after the other, several times over, and the founding
@@ -22,15 +22,52 @@ mod projection;
 mod row;
 mod skip;
 mod sphere;
+pub mod surface;
 pub mod target;
 
 use std::sync::Arc;
 
 use self::measure::Measured;
 pub use self::row::{Param, Params, Row};
+use self::target::Target;
 use crate::{pool::Pool, simd::SimdClass, solver::SetupError};
 
-/// Names of all cases, as `--case` takes them.
+/// A group of benchmarks: what `bench` takes the name of.
+pub struct Group {
+    /// Its name, which stands in its rows.
+    pub name: &'static str,
+    /// Names of its cases, as `--case` takes them.
+    pub cases: &'static [&'static str],
+    /// What its rows are not to exceed.
+    pub targets: &'static [Target],
+    /// The parameter that tells steps apart, and what people call it.
+    pub step: [&'static str; 2],
+    /// The parameter in words that describes a run.
+    pub word: &'static str,
+    /// How it is run: quickly, or in full.
+    pub options: fn(is_quick: bool) -> Options,
+    /// Runs it, and tells what comes next.
+    pub run: Run,
+}
+
+/// Runs a group; [`SetupError`] if an input is refused, which none is in these cases.
+pub type Run = fn(&Options, &mut dyn FnMut(&str)) -> Result<Vec<Row>, SetupError>;
+
+/// All groups.
+pub const GROUPS: [&Group; 2] = [&FLUID, &surface::SURFACE];
+
+/// Flow solvers.
+pub const FLUID: Group = Group {
+    name: "fluid",
+    cases: NAMES,
+    targets: target::TARGETS,
+    step: ["cfl", "CFL"],
+    word: "scheme",
+    options: |is_quick| if is_quick { Options::quick() } else { Options::full() },
+    run,
+};
+
+/// Names of all cases of flow solvers.
 pub const NAMES: &[&str] = &[
     "taylor-green",
     "taylor-green-drift",
@@ -66,7 +103,7 @@ pub struct Options {
     pub is_quick: bool,
     /// Names of the solvers; all of the index if `None`.
     pub methods: Option<&'static [&'static str]>,
-    /// Cells along an edge, one run for each.
+    /// Cells along an edge, or nodes, one run for each.
     pub sizes: Vec<usize>,
     /// Times that what is short is repeated.
     pub repetitions: usize,
@@ -141,7 +178,7 @@ impl Session<'_> {
     }
 }
 
-/// Runs the group. `progress` is told what comes next.
+/// Runs the flow solvers. `progress` is told what comes next.
 ///
 /// # Errors
 /// [`SetupError`] if a solver refuses an input, which none does for these cases.

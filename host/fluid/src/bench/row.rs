@@ -20,6 +20,12 @@ impl From<f64> for Param {
     }
 }
 
+impl From<&str> for Param {
+    fn from(word: &str) -> Self {
+        Self::Word(word.to_owned())
+    }
+}
+
 /// Names and values, as `params` of a [`Row`].
 pub type Params = BTreeMap<&'static str, Param>;
 
@@ -32,7 +38,7 @@ pub struct Row {
     pub case: String,
     /// With what: a name of an index.
     pub method: String,
-    /// Cells along an edge.
+    /// Cells along an edge, or nodes of a surface.
     pub n: Option<usize>,
     /// What else was varied, or describes the run.
     pub params: Params,
@@ -49,8 +55,8 @@ pub struct Row {
     pub pass: Option<bool>,
     /// CPU time of one step, of all threads, in milliseconds.
     pub ms: Option<f64>,
-    /// That time per cell over the founding solver's at the same n in the same run: below 1 is
-    /// faster.
+    /// That time per cell or node over that of the founding solver, or of the founding sheet of
+    /// springs, at the same n in the same run: below 1 is faster.
     pub ratio_to_founding: Option<f64>,
     /// The vector width it ran at.
     pub simd: Option<&'static str>,

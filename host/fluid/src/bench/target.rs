@@ -1,16 +1,21 @@
-//! What our solver is to reach: one table.
+//! What rows are not to exceed: a table for each group, here that of `bench fluid`.
 
-use super::row::{Param, Row};
+use super::{
+    GROUPS,
+    row::{Param, Row},
+};
 use crate::simd::SimdClass;
 
-/// The method that targets are for.
+/// The method that the targets of `bench fluid` are for.
 pub const OURS: &str = "auto";
 
-/// What one row of ours, or each of several, is not to exceed.
+/// What one row, or each of several, is not to exceed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// Benchmark case.
     pub case: &'static str,
+    /// Whom it is for.
+    pub method: &'static str,
     /// What is measured.
     pub quantity: &'static str,
     /// Cells along an edge; any if `None`.
@@ -24,10 +29,10 @@ pub struct Target {
 }
 
 const fn target(case: &'static str, quantity: &'static str, n: usize, at_most: f64) -> Target {
-    Target { case, quantity, n: Some(n), cfl: None, at_most, speedup: None }
+    Target { case, method: OURS, quantity, n: Some(n), cfl: None, at_most, speedup: None }
 }
 
-/// All targets; where two fit a row, the first counts.
+/// All targets of `bench fluid`; where two fit a row, the first counts.
 pub const TARGETS: &[Target] = &[
     // The gate: precision and speed together, in one row.
     Target { cfl: Some(0.2), speedup: Some(145.0), ..target("mms", "rel_l2", 32, 1.95e-3) },
@@ -67,12 +72,14 @@ impl Target {
     #[must_use]
     pub fn of(row: &Row) -> Option<&'static Self> {
         let is_cfl = |cfl: f64| row.number("cfl") == Some(cfl);
+        let group = GROUPS.into_iter().find(|group| group.name == row.group)?;
         let fits = |target: &&Self| {
-            (target.case, target.quantity) == (row.case.as_str(), row.quantity)
+            (target.case, target.method, target.quantity)
+                == (row.case.as_str(), row.method.as_str(), row.quantity)
                 && target.n.is_none_or(|n| row.n == Some(n))
                 && target.cfl.is_none_or(is_cfl)
         };
-        TARGETS.iter().filter(|_| row.method == OURS).find(fits)
+        group.targets.iter().find(fits)
     }
 
     /// What the ratio to the founding solver's time is not to exceed: with AVX2 by as much more
@@ -114,9 +121,9 @@ pub struct Verdict<'a> {
     pub row: Option<&'a Row>,
 }
 
-/// One verdict for each target.
+/// One verdict for each target of a group.
 #[must_use]
-pub fn verdicts(rows: &[Row]) -> Vec<Verdict<'_>> {
+pub fn verdicts<'a>(targets: &'static [Target], rows: &'a [Row]) -> Vec<Verdict<'a>> {
     // How much of what it may be its value or its time is.
     let share = |row: &Row| {
         let ratio = row.ratio_to_founding.zip(row.number("ratio_target"));
@@ -129,5 +136,5 @@ pub fn verdicts(rows: &[Row]) -> Vec<Verdict<'_>> {
         let rows = rows.iter().filter(|row| Target::of(row) == Some(target));
         rows.max_by(|a, b| share(a).total_cmp(&share(b)))
     };
-    TARGETS.iter().map(|target| Verdict { target, row: worst(target) }).collect()
+    targets.iter().map(|target| Verdict { target, row: worst(target) }).collect()
 }

@@ -63,7 +63,7 @@ fn a_pair_is_missed_by_either_and_the_worst_row_speaks() {
     let narrow = target::judged(row(1.9e-3, 1.0 / 100.0, 0.2), SimdClass::Avx2);
     assert_eq!(narrow.pass, Some(true));
     let rows = [1.0, 0.5].map(|cfl| judge(row(1.9e-3 * cfl, 0.1, cfl)));
-    let verdicts = target::verdicts(&rows);
+    let verdicts = target::verdicts(TARGETS, &rows);
     assert_eq!(verdicts[1].row, Some(&rows[0]));
     assert!(verdicts[0].row.is_none());
 }

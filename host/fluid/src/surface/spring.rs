@@ -76,15 +76,18 @@ impl SpringSheet {
         let Self { springs, motion, load_m_s2, .. } = self;
         load_m_s2.fill(0.0);
         let per_kg = springs.per_kg;
+        // What impulses gave to the mean speed: the volume does not let it be.
+        let mut mean_m_s = 0.0;
         for touch in load.touches {
             // A push on all nodes would move nothing.
-            let mut answer = Answer { speed_m_s: 0.0, per_kg: -springs.all_per_kg() };
+            let mut answer = Answer { speed_m_s: -mean_m_s, per_kg: -springs.all_per_kg() };
             for &(node, share) in &touch.under {
                 let (share, speed) = (f64::from(share), motion.speed_m_s[springs.at(node)]);
                 answer.speed_m_s += share * f64::from(speed);
                 answer.per_kg += share * share * f64::from(per_kg);
             }
             let act = touch.act(answer, dt_s);
+            mean_m_s += act.impulse_n_s * springs.all_per_kg();
             for &(node, share) in &touch.under {
                 let at = springs.at(node);
                 motion.speed_m_s[at] += (act.impulse_n_s * f64::from(share * per_kg)) as f32;

@@ -120,6 +120,23 @@ fn a_damper_takes_and_never_gives() {
 }
 
 #[test]
+fn dampers_of_several_bodies_take_and_never_give() {
+    for row in INDEX {
+        let mut surface = over_box(SurfaceParams { model: row.name, ..WATER }, [2, 3], 1e-6);
+        surface.set(|x, z| 0.01 * (20.0 * x + 60.0 * z).cos(), |_, _| 0.0);
+        let mut energy_j = surface.energy_j();
+        for _ in 0..50 {
+            for z in [0.005, 0.015, 0.025] {
+                surface.touch(Vec3::new(0.005, 0.0, z), 0.02, 0.0, 1e3);
+            }
+            surface.step(1e-3);
+            assert!(surface.energy_j() <= energy_j * (1.0 + 1e-6), "{}", row.name);
+            energy_j = surface.energy_j();
+        }
+    }
+}
+
+#[test]
 fn a_liquid_that_presses_from_below_lifts_the_surface_by_the_height_of_its_pressure() {
     for mut surface in all(SurfaceParams { tension_n_per_m: 0.0, drag_n_s_per_m3: 2e3, ..WATER }) {
         let pressure = |x: f32| 30.0 * (std::f32::consts::PI * x / 0.16).cos();

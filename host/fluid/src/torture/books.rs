@@ -1,10 +1,8 @@
 //! What a liquid may have: the account of its energy and of its substances.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 
-use super::world::World;
+use super::{ledger::Ledger, world::World};
 use crate::solver::Solver;
 
 /// Energy above the account, as a part of it, that is rounding and the solver's own slack: its
@@ -31,13 +29,10 @@ const SMALL_CELLS: usize = 1 << 15;
 /// ... a larger one at each of so many.
 const INSPECT_EVERY: usize = 20;
 
-/// The account of one run. The worst of each figure is kept; a check that failed says when it
-/// first did.
+/// The account of one run.
 pub struct Books {
-    /// Worst figures by name.
-    pub worst: BTreeMap<&'static str, f64>,
-    /// What failed, once each.
-    pub failures: BTreeMap<&'static str, String>,
+    /// Its figures, and what failed.
+    pub ledger: Ledger,
     /// Energy that came from nowhere so far.
     excess_j: f64,
     /// Half the mass-weighted sum of the squared acceleration: what it gives from rest in 1 s.
@@ -55,33 +50,12 @@ impl Books {
             squares += world.acceleration_m_s2(point)[c].powi(2);
         });
         Self {
-            worst: BTreeMap::new(),
-            failures: BTreeMap::new(),
+            ledger: Ledger::default(),
             excess_j: 0.0,
             force_j_s2: 0.5 * squares * world.heaviest_cell_kg(),
             gravity_j_s2: world.gravity_j_s2(),
             fractions: vec![0.0; world.case.grid.len()],
         }
-    }
-
-    /// Enters a figure of which at most `limit` is allowed. Whatever is not a number fails.
-    pub fn check(&mut self, what: &'static str, value: f64, limit: f64, step: usize) {
-        let worst = self.worst.entry(what).or_insert(value);
-        *worst = if value > *worst || value.is_nan() { value } else { *worst };
-        if value > limit || value.is_nan() {
-            let told = || format!("{what} = {value:.3e} in step {step}, at most {limit:.0e}");
-            self.failures.entry(what).or_insert_with(told);
-        }
-    }
-
-    /// Keeps the sum of a figure that is not checked.
-    pub fn count(&mut self, what: &'static str, value: f64) {
-        *self.worst.entry(what).or_insert(0.0) += value;
-    }
-
-    /// Keeps the largest of a figure that is not checked.
-    pub fn most(&mut self, what: &'static str, value: f64) {
-        self.check(what, value, f64::MAX, 0);
     }
 
     /// Enters the energy around a step in which the force had at most this scale. What forces
@@ -98,7 +72,7 @@ impl Books {
         at: usize,
     ) {
         if !after.is_finite() {
-            self.check("not_finite", f64::NAN, 0.0, at);
+            self.ledger.check("not_finite", f64::NAN, 0.0, at);
         }
         if world.case.sides.drive() {
             return;
@@ -109,7 +83,7 @@ impl Books {
         let allowed = (before.sqrt() + given + wall_j.sqrt()).powi(2);
         self.excess_j = (self.excess_j + after - allowed).max(0.0);
         let share = if self.excess_j == 0.0 { 0.0 } else { self.excess_j / allowed };
-        self.check("energy_excess", share, ENERGY_SLACK, at);
+        self.ledger.check("energy_excess", share, ENERGY_SLACK, at);
     }
 
     /// Compares what the cells hold of each substance with what was poured, drained, and let out.
@@ -122,7 +96,7 @@ impl Books {
             let poured_m3 = world.substances.poured_m3(index);
             let gained_m3 = held_m3 + world.substances.drained_m3(index) - poured_m3;
             let error = gained_m3.abs() / poured_m3.max(f64::MIN_POSITIVE);
-            self.check("mass_error", error, MASS_SLACK, at);
+            self.ledger.check("mass_error", error, MASS_SLACK, at);
         }
     }
 
@@ -139,15 +113,15 @@ impl Books {
             fastest = fastest.max(value.abs());
             strange += usize::from(!value.is_finite());
         });
-        self.check("not_finite", strange as f64, 0.0, at);
-        self.check("speed_m_s", fastest, SPEED_CAP_M_S, at);
+        self.ledger.check("not_finite", strange as f64, 0.0, at);
+        self.ledger.check("speed_m_s", fastest, SPEED_CAP_M_S, at);
         for index in 0..world.substances.len() {
             world.substances.copy_fraction(index, &mut self.fractions);
             let outside = |f: &f32| f64::from((f - 1.0).max(-f));
             let strange = self.fractions.iter().filter(|f| !f.is_finite()).count();
             let furthest = self.fractions.iter().map(outside).fold(0.0, f64::max);
-            self.check("not_finite", strange as f64, 0.0, at);
-            self.check("fraction_outside", furthest, FRACTION_SLACK, at);
+            self.ledger.check("not_finite", strange as f64, 0.0, at);
+            self.ledger.check("fraction_outside", furthest, FRACTION_SLACK, at);
         }
     }
 }
@@ -168,17 +142,24 @@ mod tests {
         let mut books = Books::open(&world);
         books.energy(&world, [1.0, 1.001], [0.0; 3], 0);
         books.energy(&world, [1.001, 1.001], [0.0; 3], 1);
-        assert!(books.failures.is_empty());
+        assert!(books.ledger.failures.is_empty());
         books.energy(&world, [1.001, 1.0025], [0.0; 3], 2);
-        assert!(books.failures["energy_excess"].contains("in step 2"), "{:?}", books.failures);
+        assert!(
+            books.ledger.failures["energy_excess"].contains("in step 2"),
+            "{:?}",
+            books.ledger.failures
+        );
         // What is poured beside the books was made from nothing.
         world.substances.set_fraction(0, |_| 0.5).expect("in range");
         books.mass(&world, 3);
-        assert!(books.failures.contains_key("mass_error"));
+        assert!(books.ledger.failures.contains_key("mass_error"));
         books.energy(&world, [1.0, f64::NAN], [0.0; 3], 4);
-        assert!(books.failures.contains_key("not_finite"));
-        books.check("speed_m_s", f64::NAN, SPEED_CAP_M_S, 5);
-        assert!(books.failures.contains_key("speed_m_s") && books.worst["speed_m_s"].is_nan());
+        assert!(books.ledger.failures.contains_key("not_finite"));
+        books.ledger.check("speed_m_s", f64::NAN, SPEED_CAP_M_S, 5);
+        assert!(
+            books.ledger.failures.contains_key("speed_m_s")
+                && books.ledger.worst["speed_m_s"].is_nan()
+        );
     }
 
     #[test]
@@ -190,8 +171,8 @@ mod tests {
         let mut books = Books::open(&world);
         let from_rest_j = books.force_j_s2 * 0.01;
         books.energy(&world, [0.0, from_rest_j], [0.1, 0.0, 0.0], 0);
-        assert!(books.failures.is_empty() && from_rest_j > 0.0);
+        assert!(books.ledger.failures.is_empty() && from_rest_j > 0.0);
         books.energy(&world, [0.0, 1.01 * from_rest_j], [0.1, 0.0, 0.0], 1);
-        assert!(books.failures.contains_key("energy_excess"));
+        assert!(books.ledger.failures.contains_key("energy_excess"));
     }
 }

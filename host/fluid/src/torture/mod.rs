@@ -18,17 +18,14 @@
 mod books;
 mod corners;
 mod draw;
+mod ledger;
 mod refusals;
 mod rest;
+pub mod surface;
 mod verdict;
 mod world;
 
-use std::{
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::Arc,
-};
-
-use cpu_time::ProcessTime;
+use std::sync::Arc;
 
 use self::{books::Books, rest::Decay, world::World};
 pub use self::{
@@ -37,6 +34,7 @@ pub use self::{
     verdict::{Summary, Verdict},
 };
 use crate::{
+    bench::Params,
     pool::Pool,
     simd::SimdClass,
     solver::{Refused, Solver},
@@ -47,30 +45,52 @@ pub fn seeds_of_shard(seeds: u64, index: u64, count: u64) -> impl Iterator<Item 
     (index.saturating_sub(1)..seeds).step_by(count.max(1) as usize)
 }
 
+/// What is tortured: what `torture` takes the name of.
+pub struct Group {
+    /// Its name, which stands in its rows.
+    pub name: &'static str,
+    /// Names of the corners, which are the first seeds.
+    pub corners: fn(seed: u64) -> Option<&'static str>,
+    /// Parameters of a row that say how large it is.
+    pub size: &'static [&'static str],
+    /// Checks by name, as they stand in a row's parameters, and their short names.
+    pub checks: &'static [(&'static str, &'static str)],
+    /// Tortures it with what a seed stands for.
+    pub run: fn(seed: u64, &Arc<Pool>, SimdClass) -> Verdict,
+}
+
+/// The flow solver.
+pub const FLUID: Group = Group {
+    name: "fluid",
+    corners: corners::name,
+    size: &["cells_x", "cells_y", "cells_z"],
+    checks: &[
+        ("energy_excess", "energy"),
+        ("mass_error", "mass"),
+        ("fraction_outside", "fraction"),
+        ("speed_m_s", "fastest"),
+        ("left_at_rest", "rest"),
+        ("guard_actions", "guard"),
+    ],
+    run: |seed, pool, simd| run(&Case::of_seed(seed), pool, simd),
+};
+
 /// Tortures the solver with one case. Whatever happens ends up in the verdict: also a panic.
 #[must_use]
 pub fn run(case: &Case, pool: &Arc<Pool>, simd: SimdClass) -> Verdict {
-    let from = ProcessTime::now();
-    let mut verdict = Verdict::new(case);
-    (verdict.row.simd, verdict.row.threads) = (Some(simd.name()), Some(pool.threads()));
+    let mut verdict = Verdict::new(FLUID.name, case.seed, (simd, pool.threads()));
+    verdict.row.case = case.corner.unwrap_or("drawn").to_owned();
+    verdict.row.n = case.grid.cells.into_iter().max();
+    verdict.row.params = params(case.params());
     let drawn = world::NOT_TAKEN.iter().filter(|(_, is_drawn)| is_drawn(case));
     verdict.not_taken = drawn.map(|(what, _)| *what).collect();
     verdict.not_asked = not_asked(case);
-    let tortured = catch_unwind(AssertUnwindSafe(|| torture(case, pool, simd)));
-    let failures = match tortured {
-        Ok(Ok(books)) => {
-            let worst = books.worst.into_iter().map(|(name, value)| (name, value.into()));
-            verdict.row.params.extend(worst);
-            books.failures.into_values().collect()
-        }
-        Ok(Err(refused)) => {
-            verdict.unsupported = Some(refused);
-            return verdict;
-        }
-        Err(_) => vec!["it panicked".to_owned()],
-    };
-    verdict.row.ms = Some(from.elapsed().as_secs_f64() * 1e3 / case.steps as f64);
-    verdict.with_failures(failures)
+    verdict.judged(case.steps, || torture(case, pool, simd).map(|books| books.ledger))
+}
+
+/// Names and numbers as parameters of a row.
+fn params(all: impl IntoIterator<Item = (&'static str, f64)>) -> Params {
+    all.into_iter().map(|(name, value)| (name, value.into())).collect()
 }
 
 fn not_asked(case: &Case) -> Vec<&'static str> {
@@ -91,17 +111,17 @@ fn torture(case: &Case, pool: &Arc<Pool>, simd: SimdClass) -> Result<Books, Stri
         if step == bad_at
             && let Err(what) = refusals::offer_one(&mut world)
         {
-            books.failures.insert("refusal", what);
+            books.ledger.failures.insert("refusal", what);
         }
         if let Err(refused) = mistreat(&mut world, &mut books, step) {
-            books.failures.insert("finite input", format!("in step {step}, {refused}"));
+            books.ledger.failures.insert("finite input", format!("in step {step}, {refused}"));
             return Ok(books);
         }
     }
-    if let (Some(decay), true) = (Decay::of(case), books.failures.is_empty())
+    if let (Some(decay), true) = (Decay::of(case), books.ledger.failures.is_empty())
         && let Err(refused) = come_to_rest(&mut world, &mut books, decay)
     {
-        books.failures.insert("finite input", format!("at rest, {refused}"));
+        books.ledger.failures.insert("finite input", format!("at rest, {refused}"));
     }
     Ok(books)
 }
@@ -118,9 +138,9 @@ fn mistreat(world: &mut World<'_>, books: &mut Books, step: usize) -> Result<(),
     books.energy(world, energy_j, [push_s, world.case.dt_s, wall_m_s], step);
     books.mass(world, step);
     books.inspect(world, step);
-    books.count("guard_actions", f64::from(report.guard_actions));
-    books.most("substeps", f64::from(report.substeps));
-    books.most("transport_substeps", f64::from(carried.substeps));
+    books.ledger.count("guard_actions", f64::from(report.guard_actions));
+    books.ledger.most("substeps", f64::from(report.substeps));
+    books.ledger.most("transport_substeps", f64::from(carried.substeps));
     Ok(())
 }
 
@@ -140,8 +160,8 @@ fn come_to_rest(world: &mut World<'_>, books: &mut Books, decay: Decay) -> Resul
     books.inspect(world, world.case.steps - 1 + steps);
     let left = (before_j / from_j.max(f64::MIN_POSITIVE)).sqrt();
     let allowed = if is_end { 0.0 } else { decay.kept.powi(steps as i32) };
-    books.most("rest_steps", steps as f64);
-    books.check("left_at_rest", left, allowed, world.case.steps + steps);
+    books.ledger.most("rest_steps", steps as f64);
+    books.ledger.check("left_at_rest", left, allowed, world.case.steps + steps);
     Ok(())
 }
 
