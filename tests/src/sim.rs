@@ -50,6 +50,7 @@ impl Rig for SimRig {
             trace.states.push(state);
         }
         trace.counts = world.host.counts();
+        trace.airborne_m3 = world.host.pot.splash().map_or(0.0, |splash| splash.airborne_m3());
         trace.splash = world.host.pot.splash().map_or_else(Default::default, |s| *s.books());
         trace.impulse_n_s = world.host.pot.exchange().given_n_s();
         trace.momentum_residual_rel = world.host.pot.exchange().residual_rel();

@@ -21,6 +21,8 @@ pub struct Trace {
     pub momentum_residual_rel: f64,
     /// What left the surface as drops, and what came back.
     pub splash: SplashBooks,
+    /// Volume of the drops that were in the air at the end.
+    pub airborne_m3: f64,
     /// Physical energy that left as waves where the surface broke or let go.
     pub released_j: f64,
 }

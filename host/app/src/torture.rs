@@ -25,8 +25,8 @@ use crate::{
 ///
 /// # Errors
 /// [`Failure::Check`] if a seed failed, or a seed or a corner of a whole run was left out;
-/// [`Failure::Input`] if an output to merge cannot be read, or is of another group, or stdout not be
-/// written.
+/// [`Failure::Input`] if an output to merge cannot be read, or is of another group, or stdout not
+/// be written.
 pub fn run(group: &Group, args: &TortureArgs) -> Result<(), Failure> {
     if !args.merge.is_empty() {
         let parts = args.merge.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;

@@ -53,15 +53,16 @@ pub struct SplashBooks {
     pub spilled_m3: f64,
     /// Sum of |J| that drops took from the flow and brought to it.
     pub exchanged_n_s: f64,
-    /// Sum of |change of the flow's momentum, measured, - J|.
-    pub error_n_s: f64,
+    /// What all changes of the flow's momentum, measured, lack of all J: f32 kept it back, and the
+    /// next drop brings it.
+    pub open_n_s: f64,
 }
 
 impl SplashBooks {
     /// What the books of momentum are open by, as a part of all that was exchanged.
     #[must_use]
     pub fn residual_rel(&self) -> f64 {
-        if self.exchanged_n_s > 0.0 { self.error_n_s / self.exchanged_n_s } else { 0.0 }
+        if self.exchanged_n_s > 0.0 { self.open_n_s / self.exchanged_n_s } else { 0.0 }
     }
 }
 
@@ -249,7 +250,7 @@ impl Splash {
         let Ok(change) = below.flow.push(at, 0.0, owed) else { return };
         self.carried_n_s = owed - change;
         self.books.exchanged_n_s += impulse_n_s.length();
-        self.books.error_n_s += self.carried_n_s.length();
+        self.books.open_n_s = self.carried_n_s.length();
     }
 
     /// World y of the middle of the topmost cells.

@@ -69,8 +69,8 @@ const POTION: Liquid = Liquid {
 /// go of the probe at cot^2(50 deg) of the force that breaks it: as a contact angle of 100 deg
 /// would have it.
 const SKIN: SurfaceParams = SurfaceParams {
-    model: "wave",
-    nodes_per_cell: 2,
+    model: "spring",
+    nodes_per_cell: 1,
     areal_mass_kg_m2: 20.0,
     gravity_n_per_m3: 9810.0,
     tension_n_per_m: 5.0,

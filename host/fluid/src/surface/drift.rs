@@ -46,17 +46,14 @@ impl Surface {
             return 0.0;
         }
         let mut largest: f32 = 0.0;
-        for node in 0..lattice.len() {
-            if !lattice.wet[node] {
-                continue;
-            }
+        for (node, here_m) in height_m.iter().enumerate().filter(|(n, _)| lattice.wet[*n]) {
             let beside = lattice.beside(node);
             let slope = |field: &[f32]| {
                 let [x, z] = beside.map(|[before, after]| field[after] - field[before]);
                 Vec2::new(x, z) / (2.0 * lattice.spacing_m)
             };
             let stress = fading.height_m_s[node] * slope(&fading.potential)
-                + height_m[node] * slope(&fading.potential_per_s);
+                + *here_m * slope(&fading.potential_per_s);
             fading.stress[node] = stress;
             largest = largest.max(stress.abs().max_element());
         }

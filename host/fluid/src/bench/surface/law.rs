@@ -1,7 +1,7 @@
 //! How waves swing and die, in f64 and from first principles: roots s of amplitudes exp(s t).
 //!
-//! Waves on liquid of depth h have omega^2 = (g k + sigma k^3 / rho) tanh(k h) (Lamb 1932, art. 267),
-//! and with viscosity nu, a = nu k^2, the root of Lamb's art. 349
+//! Waves on liquid of depth h have omega^2 = (g k + sigma k^3 / rho) tanh(k h) (Lamb 1932, art.
+//! 267), and with viscosity nu, a = nu k^2, the root of Lamb's art. 349
 //!
 //! ```text
 //! (s + 2 a)^2 + omega^2 = 4 a^2 sqrt(1 + s / a)

@@ -29,17 +29,8 @@ pub const WATER_M2_S: f64 = 1e-6;
 pub fn of_model(model: &'static str) -> SurfaceParams {
     SurfaceParams {
         model,
-        nodes_per_cell: 1,
-        areal_mass_kg_m2: 20.0,
-        gravity_n_per_m3: 9810.0,
         tension_n_per_m: if model == super::WAVE { 0.072 } else { 5.0 },
-        bend: 0.0,
-        drag_n_s_per_m3: 0.0,
-        tear_speed_m_s: 0.6,
-        tear_slope: 0.577,
-        layer_decay_m: 0.05,
-        contact_stiffness_n_per_m: 30.0,
-        break_force_n: 0.1,
+        ..SurfaceParams::WATER
     }
 }
 

@@ -106,8 +106,8 @@ impl Flow {
         change * self.cell_mass_kg()
     }
 
-    /// Calls `visit(axis, velocity, stress along it, mass in cells)` for the open faces across x and
-    /// z of the top layer.
+    /// Calls `visit(axis, velocity, stress along it, mass in cells)` for the open faces across x
+    /// and z of the top layer.
     fn visit_lid(
         &mut self,
         stress_m2_s2: &impl Fn(Vec3) -> Vec2,

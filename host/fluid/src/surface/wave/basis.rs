@@ -13,7 +13,7 @@ use crate::{
 /// The way between nodes and modes. Modes psi are such that the integral of psi^2 is 1; arrays of
 /// modes have pads, whose lambda is 0 as that of the constant mode.
 pub enum Basis {
-    Box(Cosines),
+    Box(Box<Cosines>),
     Round(Box<Table>),
 }
 
@@ -22,7 +22,7 @@ impl Basis {
     pub fn new(lattice: &Lattice, basin: &Basin<'_>) -> Result<(Self, f64), SetupError> {
         if *basin.vessel == Vessel::Box {
             let depth_m = basin.grid.cells[1] as f64 * f64::from(basin.grid.spacing_m);
-            return Ok((Self::Box(Cosines::new(lattice, basin.simd)), depth_m));
+            return Ok((Self::Box(Box::new(Cosines::new(lattice, basin.simd))), depth_m));
         }
         let profile = Profile::of_vessel(basin.vessel, basin.grid)?;
         let table = Table::new(&profile, lattice, basin.simd)?;

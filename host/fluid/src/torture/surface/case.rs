@@ -145,17 +145,13 @@ fn draw(seed: u64, draws: &mut Rand64) -> Case {
     let gravity_m_s2 = or_none(draws, 0.1, [1e-2, 1e3]) as f32;
     let params = SurfaceParams {
         model,
-        nodes_per_cell: 1,
         areal_mass_kg_m2: log_uniform(draws, [1e-1, 1e4]) as f32,
         gravity_n_per_m3: density_kg_m3 * gravity_m_s2,
         tension_n_per_m: or_none(draws, 0.1, [1e-3, 1e7]) as f32,
         bend: or_none(draws, 0.5, [1e-3, 10.0]) as f32,
         drag_n_s_per_m3: or_none(draws, 0.3, [1e-3, 1e7]) as f32,
         tear_speed_m_s: log_uniform(draws, [0.1, 10.0]) as f32,
-        tear_slope: 0.577,
-        layer_decay_m: 0.05,
-        contact_stiffness_n_per_m: 30.0,
-        break_force_n: 0.1,
+        ..SurfaceParams::WATER
     };
     let mut case = Case {
         seed,

@@ -7,8 +7,10 @@
 //! ```
 //! Nothing but the public API is used. What is asked of each seed:
 //! - every value is finite, and none above the crate's cap;
-//! - energy is never above what it was plus the work of forces and the energy of kicks; dampers only
-//!   take. How much drops make in a step is told, but not judged: `splash_excess`, as a part of what
+//! - energy is never above what it was plus the work of forces and the energy of kicks; dampers
+//!   only
+//!   take. How much drops make in a step is told, but not judged: `splash_excess`, as a part of
+//!   what
 //!   there was;
 //! - the volume stays: that of the pot, or with drops that of pot, air and floor together; so does
 //!   the momentum that drops exchange with the liquid;
