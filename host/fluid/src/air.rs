@@ -1,7 +1,9 @@
 //! The gas above the liquid: smoke that rises from it, and the warmth that carries the smoke.
 //!
 //! It is a second flow, in a box of its own that stands on the rest surface and is open on all
-//! other sides. Two things go with it: smoke, which is seen and weighs nothing, and warmth, the
+//! other sides. It sticks to the liquid, which carries it along; the liquid, a thousand times as
+//! heavy, takes no notice. How waves lift the gas is part of the picture alone: as the layers
+//! below, those above move with the surface, and nothing comes through it. Two things go with it: smoke, which is seen and weighs nothing, and warmth, the
 //! fraction of a cell that is gas as hot as it comes from the vents. At one pressure the density of
 //! an ideal gas goes as 1/T, and mixes by volume:
 //! ```text
@@ -12,7 +14,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use oorandom::Rand64;
 
 use crate::{
@@ -49,6 +51,7 @@ pub struct Air {
     /// Where smoke comes from, on the surface at rest.
     vents_in_world_m: Vec<Vec3>,
     until_next_s: f64,
+    is_carried: bool,
 }
 
 impl Air {
@@ -68,7 +71,7 @@ impl Air {
             density_kg_m3: gas.density_kg_m3,
             viscosity_m2_s: gas.viscosity_m2_s,
             gravity_m_s2: Vec3::NEG_Y * gravity_m_s2,
-            sides: Sides::all(Side::Outflow).with(1, [Side::FreeSlip, Side::Outflow]),
+            sides: Sides::all(Side::Outflow).with(1, [Side::Moving(Vec3::ZERO), Side::Outflow]),
             pool,
             simd,
             ..Setup::new(grid, Vessel::Box)
@@ -92,6 +95,7 @@ impl Air {
             draws: Rand64::new(SEED),
             vents_in_world_m: Vec::with_capacity(gas.vents),
             until_next_s: 0.0,
+            is_carried: false,
         })
     }
 
@@ -133,6 +137,21 @@ impl Air {
             Item::on("smoke", format!("{} vents", self.gas.vents), bytes(self.smoke.plan())),
             Item::if_any("warmth", warmth),
         ]
+    }
+
+    /// From now on the liquid carries the gas along that touches it, by its velocity in m/s at
+    /// places of the border in world metres; `None` if it is at rest.
+    ///
+    /// # Errors
+    /// [`Refused`] if a velocity is not finite, or above 1000 m/s; it goes on as it did.
+    pub fn carry(&mut self, liquid_m_s: Option<&dyn Fn(DVec3) -> DVec3>) -> Result<(), Refused> {
+        if liquid_m_s.is_none() && !self.is_carried {
+            return Ok(());
+        }
+        let velocity_m_s = |at| liquid_m_s.map_or(DVec3::ZERO, |velocity| velocity(at));
+        self.flow.set_side_velocities(&|_, _, at| velocity_m_s(at))?;
+        self.is_carried = liquid_m_s.is_some();
+        Ok(())
     }
 
     /// One step: vents breathe out, warm gas rises, smoke goes with it. `risen_m` tells how far

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use cauldron_fluid::{
     Grid, Pot, Vessel, air::Air, pool::Pool, scenes, simd::SimdClass, solver::Solver,
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 const ROOM: Grid = Grid { cells: [24, 1, 24], spacing_m: 0.01, origin_in_world_m: Vec3::ZERO };
 
@@ -108,6 +108,32 @@ fn vents_are_over_the_liquid_and_ride_on_it() {
         }
     }
     assert!(found > 0);
+}
+
+/// Gas sticks to the liquid below. One that begins to move at once drags it along by
+/// u = U erfc(y / 2 sqrt(nu t)) (Stokes 1851), far from the sides through which calm gas comes in.
+#[test]
+fn a_liquid_that_moves_carries_the_gas_above_it() {
+    let gas = scenes::Gas { vents: 0, ..gas() };
+    let mut air = air(&gas, &Vessel::Box);
+    air.carry(None).expect("finite");
+    assert!(air.step(0.01, |_| 0.0).expect("finite").asleep, "at rest it is no work");
+    let stream = |_| DVec3::new(0.1, 0.3, 0.0); // What rises does not go through the border.
+    air.carry(Some(&stream)).expect("finite");
+    breathe(&mut air, 50);
+    // erfc(1/4), erfc(3/4), erfc(5/4) in the middles of the lowest cells, 2 sqrt(nu t) = 2 cm.
+    for (row, exact) in [0.723674, 0.288844, 0.0770999].into_iter().enumerate() {
+        let at = Vec3::new(0.14, 0.01 * (row as f32 + 1.5), 0.12);
+        let carried = air.flow().velocity_at(at).x / 0.1;
+        assert!((carried - exact).abs() < 0.02, "row {row}: {carried}, {exact}");
+    }
+    let broken = |_| DVec3::new(f64::NAN, 0.0, 0.0);
+    assert!(air.carry(Some(&broken)).is_err());
+    air.carry(None).expect("finite");
+    let fastest = |air: &Air| air.flow().velocity_at(Vec3::new(0.14, 0.015, 0.12)).x;
+    let before = fastest(&air);
+    breathe(&mut air, 50);
+    assert!(fastest(&air) < 0.6 * before, "and holds it when it has come to rest");
 }
 
 /// A ball of fluid that is a little lighter begins to rise by 2/3 of what its lightness alone would

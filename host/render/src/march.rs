@@ -121,9 +121,10 @@ impl Scene {
     /// before anything else.
     fn gather_smoke(&self, ray: &Ray, end_m: f32, film: &mut Film) {
         let Some(smoke) = &self.smoke else { return };
-        let Some([from_m, to_m]) = smoke.span_m(ray, [0.0, end_m]) else { return };
+        let span_m = smoke.poured_span_m(ray, [0.0, end_m], Some(&self.surface));
+        let Some([from_m, to_m]) = span_m else { return };
         let crossing_m = self.surface.crossing_m(ray, [from_m, to_m]);
-        smoke.march(ray, [from_m, crossing_m.unwrap_or(to_m)], None, film);
+        smoke.march(ray, [from_m, crossing_m.unwrap_or(to_m)], Some(&self.surface), film);
     }
 
     /// Gathers glass, surface and liquid up to `end_m`; says what the liquid was seen through.

@@ -17,7 +17,7 @@ pub(crate) struct Surface {
     height_m: Vec<f32>,
     slope: Vec<Vec2>,
     layers_per_m: f32,
-    /// Below this depth under the highest point no layer moves by anything that could be seen.
+    /// Further than this from the rest surface no layer moves by anything that could be seen.
     moving_m: f32,
 }
 
@@ -52,7 +52,7 @@ impl Surface {
         let decay_m = view.layer_decay_m.max(1e-6);
         let layers_moving_m = decay_m * (greatest_move_m / LEAST_MOVE_M).ln();
         let moving_m = if greatest_move_m > LEAST_MOVE_M {
-            layers_moving_m + 2.0 * greatest_move_m
+            layers_moving_m + greatest_move_m
         } else {
             f32::NEG_INFINITY
         };
@@ -67,11 +67,7 @@ impl Surface {
             slope: slopes(nodes, per_m, &height_m),
             height_m,
             layers_per_m: 1.0 / decay_m,
-            moving_m: if greatest_move_m > LEAST_MOVE_M {
-                moving_m + 2.0 * greatest_move_m
-            } else {
-                f32::NEG_INFINITY
-            },
+            moving_m,
         }
     }
 
@@ -81,16 +77,16 @@ impl Surface {
         point_in_world_m.y - self.rest_in_world_m - height_m
     }
 
-    /// Where the layer now at `point_in_world_m` lies when the liquid is at rest: a layer at
-    /// depth d has moved by exp(-d / decay) times what the surface above it has (Mora 2008).
+    /// Where the layer now at `point_in_world_m` lies when the liquid is at rest: a layer at a
+    /// distance d from the surface has moved by exp(-d / decay) times what the surface there has
+    /// (Mora 2008); below it in the liquid, and above it in the gas.
     pub(crate) fn at_rest(&self, point_in_world_m: Vec3) -> Vec3 {
-        let level_m = self.rest_in_world_m + self.greatest_move_m();
-        if level_m - point_in_world_m.y > self.moving_m {
+        if (point_in_world_m.y - self.rest_in_world_m).abs() > self.moving_m {
             return point_in_world_m;
         }
         let height_m = self.between_nodes(point_in_world_m, &self.height_m);
-        let depth_m = (self.rest_in_world_m + height_m - point_in_world_m.y).max(0.0);
-        let moved_m = height_m * (-depth_m * self.layers_per_m).exp();
+        let away_m = (self.rest_in_world_m + height_m - point_in_world_m.y).abs();
+        let moved_m = height_m * (-away_m * self.layers_per_m).exp();
         point_in_world_m - Vec3::Y * moved_m
     }
 
@@ -101,11 +97,13 @@ impl Surface {
 
     /// Distance along `ray`, within `span_m`, to where it next goes through the surface.
     pub(crate) fn crossing_m(&self, ray: &Ray, span_m: [f32; 2]) -> Option<f32> {
-        const STEPS: usize = 12;
         let [mut from_m, to_m] = self.span_in_range_m(ray, span_m)?;
-        let step_m = (to_m - from_m) / STEPS as f32;
+        // A crest or a funnel that a ray only grazes is some nodes wide.
+        let nodes = (to_m - from_m) * self.per_m;
+        let steps = nodes.clamp(LEAST_STEPS, MOST_STEPS).ceil();
+        let step_m = (to_m - from_m) / steps;
         let mut from_clearance_m = self.clearance_m(ray.at(from_m));
-        for _ in 0..STEPS {
+        for _ in 0..steps as u32 {
             let next_m = from_m + step_m;
             let next_clearance_m = self.clearance_m(ray.at(next_m));
             if (from_clearance_m > 0.0) != (next_clearance_m > 0.0) {
@@ -157,6 +155,9 @@ impl Surface {
     }
 }
 
+/// Steps in which a crossing is looked for.
+const LEAST_STEPS: f32 = 12.0;
+const MOST_STEPS: f32 = 100.0;
 /// A way too short to be seen.
 const LEAST_MOVE_M: f32 = 2e-4;
 /// Width of the bright line at the wall.
@@ -218,6 +219,8 @@ mod tests {
         };
         assert!((moved_m(1.01) - 0.01).abs() < 1e-6);
         assert!((moved_m(0.96) - 0.01 * (-1.0_f32).exp()).abs() < 1e-6);
+        assert!((moved_m(1.06) - 0.01 * (-1.0_f32).exp()).abs() < 1e-6, "nor the gas above");
+        assert!(moved_m(1.5) == 0.0 && moved_m(0.5) == 0.0);
     }
 
     #[test]

@@ -87,8 +87,8 @@ impl Volume {
         self.clear == Vec4::ZERO && self.poured_in_world_m.is_none()
     }
 
-    /// Gathers what `ray` sees of it within `span_m`; `surface` is what liquid lies under and is
-    /// moved by.
+    /// Gathers what `ray` sees of it within `span_m`; `surface` is what it lies
+    /// under or above, and is moved by.
     pub(crate) fn march(
         &self,
         ray: &Ray,
@@ -116,13 +116,8 @@ impl Volume {
         film.medium(self.clear, span_m[1] - poured_m[1]);
     }
 
-    /// The part of the span where there is anything poured, if nothing moves it.
-    pub(crate) fn span_m(&self, ray: &Ray, span_m: [f32; 2]) -> Option<[f32; 2]> {
-        self.poured_span_m(ray, span_m, None)
-    }
-
     /// The part of the span where there may be more than clear liquid.
-    fn poured_span_m(
+    pub(crate) fn poured_span_m(
         &self,
         ray: &Ray,
         span_m: [f32; 2],
