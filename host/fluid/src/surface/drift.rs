@@ -69,7 +69,6 @@ impl Surface {
     /// The stress that was found last, at a place.
     #[must_use]
     pub fn drift_m2_s2(&self, at_in_world_m: glam::Vec3) -> Vec2 {
-        let around = self.lattice.around(at_in_world_m);
-        around.into_iter().map(|(node, share)| share * self.fading.stress[node]).sum()
+        self.lattice.between(&self.fading.stress, at_in_world_m)
     }
 }

@@ -1,5 +1,7 @@
 //! Where the nodes of a surface stand: one over the middle of each column of cells, or several.
 
+use std::ops::{Add, Mul};
+
 use glam::Vec3;
 
 use crate::{grid::Grid, vessel::Vessel};
@@ -112,6 +114,55 @@ impl Lattice {
         ]
     }
 
+    /// A field of the nodes at a place: bilinear between those that are wet, which goes on as it
+    /// is up to the wall; nothing where there are none.
+    #[must_use]
+    pub fn between<T>(&self, field: &[T], at_in_world_m: Vec3) -> T
+    where
+        T: Copy + Default + Add<Output = T> + Mul<f32, Output = T>,
+    {
+        let around = self.around(at_in_world_m);
+        let shares = around.map(|(node, share)| if self.wet[node] { share } else { 0.0 });
+        let whole: f32 = shares.iter().sum();
+        let each_node = around.into_iter().zip(shares);
+        // All four are wet but at the wall: the sum of their shares is 1 but for rounding.
+        let per_share = if whole > 0.0 { 1.0 / whole } else { 0.0 };
+        each_node
+            .fold(T::default(), |sum, ((node, _), share)| sum + field[node] * (share * per_share))
+    }
+
+    /// A field of the nodes that goes on into the wall: each dry node within `rings` of a wet one
+    /// has the mean of what is known around it.
+    #[must_use]
+    pub fn spread(&self, field: &[f32], rings: usize) -> Vec<f32> {
+        let mut spread = field.to_vec();
+        let mut known = self.wet.clone();
+        if known.iter().all(|is_known| *is_known) {
+            return spread;
+        }
+        for _ in 0..rings {
+            let before = known.clone();
+            for node in (0..self.len()).filter(|node| !before[*node]) {
+                let around = self.square_around(node).filter(|beside| before[*beside]);
+                let (sum, count) = around
+                    .fold((0.0, 0.0), |(sum, count), beside| (sum + spread[beside], count + 1.0));
+                if count > 0.0 {
+                    (spread[node], known[node]) = (sum / count, true);
+                }
+            }
+        }
+        spread
+    }
+
+    /// The node and its up to eight neighbours.
+    fn square_around(&self, node: usize) -> impl Iterator<Item = usize> {
+        let [nx, nz] = self.nodes;
+        let (i, k) = (node % nx, node / nx);
+        let along_x = i.saturating_sub(1)..(i + 2).min(nx);
+        (k.saturating_sub(1)..(k + 2).min(nz))
+            .flat_map(move |k| along_x.clone().map(move |i| i + nx * k))
+    }
+
     /// Wet nodes under a round body, and shares that sum to 1 and fall from its middle to 0.
     pub fn find_under(&self, at_in_world_m: Vec3, radius_m: f32, under: &mut Vec<(usize, f32)>) {
         let at = (at_in_world_m - self.origin_in_world_m) / self.spacing_m;
@@ -173,6 +224,31 @@ mod tests {
         let at = Vec3::new(0.133, 0.24, 0.341);
         let again = lattice.around(at).map(|(n, share)| share * lattice.in_world_m(n));
         assert!(again.iter().sum::<Vec3>().distance(at) < 1e-6);
+    }
+
+    #[test]
+    fn a_field_goes_on_into_the_wall() {
+        let grid = Grid { cells: [16, 1, 16], spacing_m: 1.0, origin_in_world_m: Vec3::ZERO };
+        let centre_in_world_m = Vec3::new(8.0, 0.0, 8.0);
+        let tub = Vessel::Cylinder { centre_in_world_m, axis: Vec3::Y, radius_m: 5.3 };
+        let lattice = Lattice::over(&grid, &tub, 1);
+        let tilted = |node: usize| 3.0 + 0.1 * lattice.in_world_m(node).x;
+        let wet = |node: usize| if lattice.wet[node] { tilted(node) } else { 0.0 };
+        let field: Vec<f32> = (0..lattice.len()).map(wet).collect();
+        let spread = lattice.spread(&field, 2);
+        for turn in 0..40 {
+            let away = Vec3::new((turn as f32).cos(), 0.0, (turn as f32).sin());
+            let at = centre_in_world_m + 5.3 * away;
+            let exact = 3.0 + 0.1 * at.x;
+            assert!((lattice.between(&field, at) - exact).abs() < 0.1, "{at}");
+            let around = lattice.around(at).into_iter();
+            let drawn: f32 = around.map(|(node, share)| share * spread[node]).sum();
+            assert!((drawn - exact).abs() < 0.1, "{at}: {drawn}");
+        }
+        assert_eq!(lattice.between(&field, Vec3::ZERO), 0.0);
+        let at = Vec3::new(8.2, 1.0, 7.7);
+        assert!((lattice.between(&field, at) - 3.82).abs() < 1e-5, "and is itself inside");
+        assert!((0..lattice.len()).all(|n| !lattice.wet[n] || spread[n] == field[n]));
     }
 
     #[test]

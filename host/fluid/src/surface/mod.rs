@@ -275,8 +275,8 @@ impl Surface {
         if self.asleep {
             return (self.level_m(), 0.0);
         }
-        let [height_m, speed_m_s] =
-            [&self.height_m, &self.speed_m_s].map(|field| self.between_nodes(field, at_in_world_m));
+        let [height_m, speed_m_s] = [&self.height_m, &self.speed_m_s]
+            .map(|field| self.lattice.between(field, at_in_world_m));
         (self.level_m() + height_m, speed_m_s)
     }
 
@@ -324,13 +324,8 @@ impl Surface {
             return self.at(at_in_world_m);
         }
         let [height_m, speed_m_s] =
-            self.then.each_ref().map(|field| self.between_nodes(field, at_in_world_m));
+            self.then.each_ref().map(|field| self.lattice.between(field, at_in_world_m));
         (self.level_m() + height_m, speed_m_s)
-    }
-
-    fn between_nodes(&self, field: &[f32], at_in_world_m: Vec3) -> f32 {
-        let around = self.lattice.around(at_in_world_m);
-        around.into_iter().map(|(node, share)| share * field[node]).sum()
     }
 
     /// Looks below: [`Surface::orbit_m_s`] tells what is at about this place.
@@ -347,16 +342,17 @@ impl Surface {
         self.orbits.at(&self.lattice, at_in_world_m)
     }
 
-    /// What is drawn.
+    /// What is drawn: it ends in the wall, not before.
     #[must_use]
     pub fn view(&self) -> SurfaceView {
+        const RINGS_IN_WALL: usize = 2;
         let Lattice { nodes, spacing_m, origin_in_world_m: origin, .. } = self.lattice;
         SurfaceView {
             nodes,
             spacing_m,
             origin_in_world_m: [origin.x, origin.z],
             rest_height_in_world_m: origin.y + self.level_m(),
-            height_m: self.height_m.clone(),
+            height_m: self.lattice.spread(&self.height_m, RINGS_IN_WALL),
             layer_decay_m: self.params.layer_decay_m,
         }
     }

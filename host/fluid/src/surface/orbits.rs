@@ -47,14 +47,12 @@ impl Orbits {
 
     fn in_layer(&self, layer: usize, lattice: &Lattice, at: Vec3) -> Vec3 {
         let [phi, rising_m_s] = &self.layers[layer];
-        let value = |field: &[f32], at: Vec3| -> f32 {
-            lattice.around(at).iter().map(|(node, share)| share * field[*node]).sum()
-        };
         // Half a node to both sides: at a wall there is nothing beyond, and no flow through it.
         let half = 0.5 * lattice.spacing_m;
         let slope = |axis: Vec3| {
-            (value(phi, at + half * axis) - value(phi, at - half * axis)) / lattice.spacing_m
+            (lattice.between(phi, at + half * axis) - lattice.between(phi, at - half * axis))
+                / lattice.spacing_m
         };
-        Vec3::new(slope(Vec3::X), value(rising_m_s, at), slope(Vec3::Z))
+        Vec3::new(slope(Vec3::X), lattice.between(rising_m_s, at), slope(Vec3::Z))
     }
 }
