@@ -11,7 +11,7 @@ use crate::{
     grid::Grid,
     plan::Item,
     pool::Pool,
-    scenes::{GRAVITY_M_S2, Poke, Scene, Start, Substance},
+    scenes::{GRAVITY_M_S2, Poke, Scene, Substance},
     simd::SimdClass,
     solver::{Setup, SetupError, Sides, Solver, flow::Flow},
     splash::{Below, Droplet, Splash},
@@ -89,8 +89,9 @@ impl Pot {
             ..Setup::new(scene.grid, scene.vessel.clone())
         });
         let mut flow = setup.as_ref().map(Flow::new).transpose()?;
-        if let (Some(flow), Start::TaylorGreen(speed_m_s)) = (&mut flow, scene.start) {
-            start_vortex(flow, &scene.grid, speed_m_s);
+        let mut surface = surface_of(scene, simd)?;
+        if let Some(flow) = &mut flow {
+            scene.start.set(scene, flow, surface.as_mut());
         }
         let substances = setup.as_ref().map(|setup| pourable(scene, setup));
         if let (Some(flow), Some(substances)) = (&mut flow, &substances) {
@@ -113,7 +114,7 @@ impl Pot {
             palette: scene.substances.clone(),
             substances,
             flow,
-            surface: surface_of(scene, simd)?,
+            surface,
             splash: scene
                 .surface
                 .zip(scene.liquid)
@@ -325,6 +326,11 @@ impl Pot {
         if let Some(air) = &mut self.air {
             let surface = self.surface.as_ref();
             let risen_m = |at| surface.map_or(0.0, |surface| surface.at(at).0);
+            let moving = self.flow.as_ref().filter(|flow| !flow.is_at_rest());
+            let liquid_m_s =
+                moving.map(|flow| |at: DVec3| flow.velocity_at(at.as_vec3()).as_dvec3());
+            let carried = air.carry(liquid_m_s.as_ref().map(|f| f as &dyn Fn(DVec3) -> DVec3));
+            self.totals.refused += u64::from(carried.is_err());
             match air.step(f64::from(dt_s), risen_m) {
                 Ok(report) => self.totals.guard_actions += u64::from(report.guard_actions),
                 Err(_) => self.totals.refused += 1,
@@ -409,21 +415,4 @@ fn pourable(scene: &Scene, setup: &Setup) -> Substances {
         diffusivity_m2_s: s.diffusivity_m2_s,
     };
     Substances::new(setup, &scene.substances.iter().map(properties).collect::<Vec<_>>())
-}
-
-/// u = U (sin kx cos ly, -(k/l) cos kx sin ly, 0) with half a wave along each edge of the box.
-fn start_vortex(flow: &mut Flow, grid: &Grid, speed_m_s: f32) {
-    use std::f64::consts::PI;
-    let corner = grid.origin_in_world_m.as_dvec3();
-    let extent = grid.extent_m().as_dvec3();
-    let speed = f64::from(speed_m_s);
-    let vortex = |at: DVec3| {
-        let phase = PI * (at - corner) / extent;
-        let (sx, cx) = phase.x.sin_cos();
-        let (sy, cy) = phase.y.sin_cos();
-        DVec3::new(speed * sx * cy, -speed * extent.y / extent.x * cx * sy, 0.0)
-    };
-    if flow.set_velocity(&vortex).is_ok() {
-        flow.project();
-    }
 }

@@ -11,12 +11,15 @@ mod fumes;
 mod gas;
 mod keys;
 mod pond;
+mod start;
 mod taylor_green;
+mod whirl;
 
 pub(crate) use check::number;
 pub use check::{Bound, Wrong};
 pub use file::{SceneError, find, read};
 pub use gas::Gas;
+pub use start::{Start, Whirl};
 
 use cauldron_protocol::{WorldFromDevice, message::Modes};
 use glam::Vec3;
@@ -36,7 +39,7 @@ pub struct SceneRow {
 
 /// Every scene that ships.
 pub const INDEX: &[SceneRow] =
-    &[cauldron::ROW, empty::ROW, fumes::ROW, pond::ROW, taylor_green::ROW];
+    &[cauldron::ROW, empty::ROW, fumes::ROW, pond::ROW, taylor_green::ROW, whirl::ROW];
 
 /// A scene: plain data, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,16 +120,6 @@ pub struct Substance {
     pub pour_radius_m: f32,
     /// Volume fraction that a second of pouring adds in the jet's middle.
     pub pour_per_s: f32,
-}
-
-/// How the liquid moves at first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Start {
-    /// Not at all.
-    Rest,
-    /// As the vortex of Taylor & Green (1937) that fits into the box, with this largest speed in
-    /// m/s.
-    TaylorGreen(f32),
 }
 
 /// What the hand holds in the medium: a sphere.
