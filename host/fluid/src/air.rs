@@ -3,9 +3,10 @@
 //! It is a second flow, in a box of its own that stands on the rest surface and is open on all
 //! other sides. It sticks to the liquid, which carries it along; the liquid, a thousand times as
 //! heavy, takes no notice. How waves lift the gas is part of the picture alone: as the layers
-//! below, those above move with the surface, and nothing comes through it. Two things go with it: smoke, which is seen and weighs nothing, and warmth, the
-//! fraction of a cell that is gas as hot as it comes from the vents. At one pressure the density of
-//! an ideal gas goes as 1/T, and mixes by volume:
+//! below, those above move with the surface, and nothing comes through it. Two things go with it:
+//! smoke, which is seen and weighs nothing, and warmth, the fraction of a cell that is gas as hot
+//! as it comes from the vents. At one pressure the density of an ideal gas goes as 1/T, and mixes
+//! by volume:
 //! ```text
 //! rho = rho_0 (1 - w (1 - T_0 / T_1))        for warmth w of gas at T_1 in gas at T_0
 //! ```
