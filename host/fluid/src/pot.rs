@@ -341,8 +341,8 @@ impl Pot {
     /// Waves that die drag the liquid along, if it would be seen at all.
     fn drift(&mut self, dt_s: f32) {
         let (Some(surface), Some(flow)) = (&mut self.surface, &mut self.flow) else { return };
-        let gain_m_s = surface.find_drift() * dt_s / self.grid.spacing_m;
-        if gain_m_s > LEAST_DRIFT_M_S {
+        let least_m2_s2 = LEAST_DRIFT_M_S * self.grid.spacing_m / dt_s;
+        if surface.find_drift(least_m2_s2) > least_m2_s2 {
             let most_j = surface.drift_w() * f64::from(dt_s);
             flow.drag_lid(|at| surface.drift_m2_s2(at), dt_s, most_j);
         }

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 use crate::{
     solver::flow::Flow,
     substance::Substances,
-    surface::{Surface, Torn},
+    surface::{Surface, Weight},
     vessel::RIM_M,
 };
 
@@ -56,6 +56,12 @@ pub struct SplashBooks {
     /// What all changes of the flow's momentum, measured, lack of all J: f32 kept it back, and the
     /// next drop brings it.
     pub open_n_s: f64,
+    /// Energy that went over the rim: of motion, and of height above the surface at rest.
+    pub spilled_j: f64,
+    /// Energy that came from nowhere, as the surface had less than a drop lacked: below the
+    /// surface at rest, where a surface that was set anew rose over it, or in what streamed faster
+    /// than it fell in.
+    pub lent_j: f64,
 }
 
 impl SplashBooks {
@@ -68,8 +74,7 @@ impl SplashBooks {
 
 /// The drops of one pot.
 pub struct Splash {
-    gravity_m_s2: f32,
-    density_kg_m3: f64,
+    weight: Weight,
     drops: Vec<Droplet>,
     /// Volumes of the substances in each drop, drop after drop.
     content_m3: Vec<f64>,
@@ -78,7 +83,7 @@ pub struct Splash {
     /// Momentum that f32 kept back from the flow, given with the next.
     carried_n_s: DVec3,
     books: SplashBooks,
-    torn: Vec<Torn>,
+    torn: Vec<Droplet>,
 }
 
 /// What drops leave and fall into.
@@ -96,8 +101,10 @@ impl Splash {
     #[must_use]
     pub fn new(density_kg_m3: f32, gravity_m_s2: f32) -> Self {
         Self {
-            gravity_m_s2,
-            density_kg_m3: f64::from(density_kg_m3),
+            weight: Weight {
+                density_kg_m3: density_kg_m3.into(),
+                gravity_m_s2: gravity_m_s2.into(),
+            },
             drops: Vec::new(),
             content_m3: Vec::new(),
             spilled_m3: Vec::new(),
@@ -117,6 +124,15 @@ impl Splash {
     #[must_use]
     pub fn books(&self) -> &SplashBooks {
         &self.books
+    }
+
+    /// Energy of a drop: of motion, and of height above the surface at rest.
+    #[must_use]
+    pub fn energy_j(&self, surface: &Surface, drop: &Droplet) -> f64 {
+        let above_m = f64::from(drop.at_in_world_m.y - surface.rest_height_in_world_m());
+        let moving = 0.5 * drop.velocity_m_s.as_dvec3().length_squared();
+        let Weight { density_kg_m3, gravity_m_s2 } = self.weight;
+        density_kg_m3 * drop.volume_m3 * (moving + gravity_m_s2 * above_m)
     }
 
     /// Volume in the air.
@@ -152,21 +168,36 @@ impl Splash {
         }
         let room = MOST - self.drops.len();
         below.surface.tear(dt_s, room, &mut self.torn);
-        for n in 0..self.torn.len() {
-            self.leave(&mut below, n);
+        if !self.torn.is_empty() {
+            self.leave(&mut below);
         }
-        below.surface.settle(&self.torn, self.density_kg_m3, self.gravity_m_s2);
+        self.books.lent_j += below.surface.settle();
     }
 
-    fn leave(&mut self, below: &mut Below<'_>, n: usize) {
-        let Torn { at_in_world_m, velocity_m_s, volume_m3 } = self.torn[n];
-        let inside = at_in_world_m.with_y(self.top_cell_y(below));
-        below.substances.scoop(inside, volume_m3, &mut self.content_m3);
-        self.drops.push(Droplet { at_in_world_m, velocity_m_s, volume_m3 });
-        self.books.drops += 1;
-        self.books.left_m3 += volume_m3;
-        let momentum = self.density_kg_m3 * volume_m3 * velocity_m_s.with_y(0.0).as_dvec3();
-        self.push(below, inside, -momentum);
+    /// Lets those drops go that the surface has the energy for.
+    fn leave(&mut self, below: &mut Below<'_>) {
+        let mut spare_j = below.surface.spare_j();
+        for n in 0..self.torn.len() {
+            let drop = self.torn[n];
+            let inside = self.inside(below, &drop);
+            let taken_n_s = -self.momentum_n_s(&drop);
+            let taken_j = below.flow.push_work_j(inside, 0.0, taken_n_s)
+                - below.surface.brought_j(&drop, -1.0, self.weight);
+            if taken_j <= spare_j {
+                spare_j -= taken_j;
+                below.substances.scoop(inside, drop.volume_m3, &mut self.content_m3);
+                self.drops.push(drop);
+                self.books.drops += 1;
+                self.books.left_m3 += drop.volume_m3;
+                below.surface.part(&drop, self.weight);
+                self.push(below, inside, taken_n_s);
+            }
+        }
+    }
+
+    /// The part of its momentum that the flow has to do with.
+    fn momentum_n_s(&self, drop: &Droplet) -> DVec3 {
+        self.weight.density_kg_m3 * drop.volume_m3 * drop.velocity_m_s.with_y(0.0).as_dvec3()
     }
 
     /// Moves all drops; takes out what fell.
@@ -192,7 +223,7 @@ impl Splash {
     fn fall(&mut self, below: &Below<'_>, n: usize, dt_s: f32) -> Fate {
         let drop = &mut self.drops[n];
         let (from, surface) = (drop.at_in_world_m, &below.surface);
-        let fallen_m_s = self.gravity_m_s2 * dt_s;
+        let fallen_m_s = self.weight.gravity_m_s2 as f32 * dt_s;
         drop.at_in_world_m += dt_s * (drop.velocity_m_s - 0.5 * fallen_m_s * Vec3::Y);
         drop.velocity_m_s.y -= fallen_m_s;
         if !drop.at_in_world_m.is_finite() {
@@ -231,31 +262,34 @@ impl Splash {
     ) {
         if fate == Fate::Spills {
             self.books.spilled_m3 += drop.volume_m3;
+            self.books.spilled_j += self.energy_j(below.surface, drop);
             self.spilled_m3.resize(content.len(), 0.0);
             let spilled = self.spilled_m3.iter_mut().zip(&self.content_m3[content]);
             spilled.for_each(|(sum, content)| *sum += content);
             return;
         }
         self.books.merged_m3 += drop.volume_m3;
-        let inside = drop.at_in_world_m.with_y(self.top_cell_y(below));
-        below.surface.merge(drop, self.density_kg_m3, self.gravity_m_s2);
+        let inside = self.inside(below, drop);
+        below.surface.merge(drop, self.weight);
         below.substances.give_back(inside, &self.content_m3[content]);
-        let along = drop.velocity_m_s.with_y(0.0).as_dvec3();
-        self.push(below, inside, self.density_kg_m3 * drop.volume_m3 * along);
+        self.push(below, inside, self.momentum_n_s(drop));
     }
 
-    /// Gives the flow what it is owed; what it took is measured from the grid.
+    /// Gives the flow what it is owed, at the cost of the surface; what it took is measured from
+    /// the grid.
     fn push(&mut self, below: &mut Below<'_>, at: Vec3, impulse_n_s: DVec3) {
         let owed = impulse_n_s + self.carried_n_s;
+        below.surface.spend(below.flow.push_work_j(at, 0.0, owed));
         let Ok(change) = below.flow.push(at, 0.0, owed) else { return };
         self.carried_n_s = owed - change;
         self.books.exchanged_n_s += impulse_n_s.length();
         self.books.open_n_s = self.carried_n_s.length();
     }
 
-    /// World y of the middle of the topmost cells.
-    fn top_cell_y(&self, below: &Below<'_>) -> f32 {
-        below.surface.rest_height_in_world_m() - 0.5 * below.flow.grid().spacing_m
+    /// The middle of the topmost cell below a drop.
+    fn inside(&self, below: &Below<'_>, drop: &Droplet) -> Vec3 {
+        let half_m = 0.5 * below.flow.grid().spacing_m;
+        drop.at_in_world_m.with_y(below.surface.rest_height_in_world_m() - half_m)
     }
 }
 

@@ -68,14 +68,7 @@ fn the_lid_is_pressed_by_what_turns_below() {
 fn a_turning_liquid_stands_as_a_paraboloid() {
     let setup = bucket();
     for row in INDEX {
-        let basin = Basin {
-            grid: &GRID,
-            vessel: &setup.vessel,
-            density_kg_m3: 1000.0,
-            viscosity_m2_s: 1e-6,
-            gravity_m_s2: 9.81,
-            simd: SimdClass::detect(),
-        };
+        let basin = Basin::of_water(&GRID, &setup.vessel);
         // Thick to the waves, so that they die soon.
         let params = SurfaceParams {
             model: row.name,
@@ -129,15 +122,7 @@ fn a_whirl_dips_as_far_as_it_has_to() {
 fn waves_that_die_drag_the_liquid_along() {
     let grid = Grid { cells: [192, 12, 4], spacing_m: 0.01, origin_in_world_m: Vec3::ZERO };
     let setup = Setup { walls: Walls::FreeSlip, ..Setup::new(grid, Vessel::Box) };
-    let (viscosity_m2_s, gravity_m_s2) = (2e-4, 9.81);
-    let basin = Basin {
-        grid: &grid,
-        vessel: &Vessel::Box,
-        density_kg_m3: setup.density_kg_m3,
-        viscosity_m2_s,
-        gravity_m_s2,
-        simd: SimdClass::detect(),
-    };
+    let basin = Basin { viscosity_m2_s: 2e-4, ..Basin::of_water(&grid, &setup.vessel) };
     let params = SurfaceParams {
         tension_n_per_m: 0.0,
         tear_speed_m_s: 1e6,
@@ -148,14 +133,14 @@ fn waves_that_die_drag_the_liquid_along() {
     let mut flow = Flow::new(&setup).unwrap();
     // 16 nodes a wave, eight waves in the middle of the channel.
     let k = std::f32::consts::TAU / 0.16;
-    let omega = (gravity_m_s2 * k * (k * 0.12).tanh()).sqrt();
+    let omega = (9.81 * k * (k * 0.12).tanh()).sqrt();
     let packet = move |x: f32| 2e-3 * (-((x - 0.7) / 0.3).powi(2)).exp();
     surface.set(|x, _| packet(x) * (k * x).cos(), |x, _| packet(x) * omega * (k * x).sin());
     let before_j = surface.energy_j();
     let mut given_n_s = 0.0;
     for _ in 0..100 {
         surface.step(5e-3);
-        surface.find_drift();
+        surface.find_drift(0.0);
         let most_j = 5e-3 * surface.drift_w();
         given_n_s += flow.drag_lid(|at| surface.drift_m2_s2(at), 5e-3, most_j).x;
     }

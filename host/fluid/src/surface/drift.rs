@@ -35,9 +35,10 @@ impl Fading {
 
 impl Surface {
     /// Finds the stress that fading waves put on what is below, over its density and along x and
-    /// z. Returns the largest magnitude; 0 at rest and for a model that has no below.
-    pub fn find_drift(&mut self) -> f32 {
-        if self.asleep {
+    /// z. Returns the largest magnitude; 0 at rest, for a model that has no below, and, as it is
+    /// not looked for then, if it is surely not above `least_m2_s2`: what was found before stays.
+    pub fn find_drift(&mut self, least_m2_s2: f32) -> f32 {
+        if self.asleep || self.model.most_drift_m2_s2(self.extremes[1]) <= least_m2_s2 {
             return 0.0;
         }
         let Self { fading, lattice, model, height_m, .. } = self;
@@ -66,9 +67,12 @@ impl Surface {
         self.fading.power_w
     }
 
-    /// The stress that was found last, at a place.
+    /// The stress that was found last, at a place; 0 before.
     #[must_use]
     pub fn drift_m2_s2(&self, at_in_world_m: glam::Vec3) -> Vec2 {
+        if self.fading.stress.is_empty() {
+            return Vec2::ZERO;
+        }
         self.lattice.between(&self.fading.stress, at_in_world_m)
     }
 }

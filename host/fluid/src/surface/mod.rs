@@ -21,12 +21,12 @@ pub use drift::Fading;
 pub use lattice::Lattice;
 pub use model::{Basin, INDEX, Load, Make, Model, ModelRow, find, fits};
 pub use params::SurfaceParams;
-pub use tear::Torn;
+pub use tear::Weight;
 pub use touch::{Act, Answer, Touch};
 
 use glam::Vec3;
 
-use self::{orbits::Orbits, tear::Change};
+use self::{orbits::Orbits, tear::Change, touch::Acting};
 use crate::{simd::SimdClass, snapshot::SurfaceView, solver::SetupError};
 
 /// Heights below this, and speeds of as many metres a second, are rest.
@@ -54,14 +54,12 @@ pub struct Surface {
     model: Box<dyn Model>,
     height_m: Vec<f32>,
     speed_m_s: Vec<f32>,
-    /// Bodies of the next step, and room of those before.
-    touches: Vec<Touch>,
-    touching: usize,
-    /// What presses from below in the next step; empty until something does.
-    force_n: Vec<f32>,
-    is_pressed: bool,
-    /// Of the last step: its length, and how much of `touches` and whether `force_n` acted.
-    last: (f32, usize, bool),
+    /// What acts in the next step, and what did in the last.
+    acting: [Acting; 2],
+    /// Length of the last step.
+    last_s: f32,
+    /// Area of all wet nodes.
+    wet_m2: f64,
     /// Height of the whole above rest, by what left and fell in.
     level_m: f64,
     /// Fastest speed and highest height, as magnitudes.
@@ -72,7 +70,6 @@ pub struct Surface {
     /// Heights and speeds of the moment that was looked ahead to; empty before.
     then: [Vec<f32>; 2],
     orbits: Orbits,
-    layer_m: f32,
     simd: SimdClass,
     asleep: bool,
 }
@@ -91,19 +88,16 @@ impl Surface {
             model: (row.make)(&params, &lattice, basin)?,
             height_m: zeros(),
             speed_m_s: zeros(),
-            touches: Vec::new(),
-            touching: 0,
-            force_n: Vec::new(),
-            is_pressed: false,
-            last: (0.0, 0, false),
+            acting: Default::default(),
+            last_s: 0.0,
+            wet_m2: f64::from(lattice.node_m2()) * lattice.wet_count() as f64,
             level_m: 0.0,
             extremes: [0.0; 2],
             change: Change::default(),
             under: Vec::new(),
             fading: Fading::default(),
             then: [Vec::new(), Vec::new()],
-            orbits: Orbits::default(),
-            layer_m: basin.grid.spacing_m,
+            orbits: Orbits::new(basin.grid),
             simd: basin.simd,
             asleep: true,
             params,
@@ -126,10 +120,11 @@ impl Surface {
     /// Memory that it takes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let arrays = [&self.height_m, &self.speed_m_s, &self.force_n];
+        let arrays = [&self.height_m, &self.speed_m_s];
         let then = self.then.iter().map(Vec::len).sum::<usize>();
         let nodes = (arrays.iter().map(|a| a.len()).sum::<usize>() + then) * size_of::<f32>();
-        nodes + self.lattice.len() + self.model.bytes()
+        let acting = self.acting.iter().map(Acting::bytes).sum::<usize>();
+        nodes + acting + self.lattice.len() + self.model.bytes()
     }
 
     /// True while nothing moves, and a step costs nothing.
@@ -196,50 +191,30 @@ impl Surface {
     }
 
     fn put(&mut self, at_m: Vec3, radius_m: f32, touch: Touch) {
-        if !at_m.is_finite() || !radius_m.is_finite() {
-            return;
-        }
-        if self.touches.len() == self.touching {
-            self.touches.push(Touch::default());
-        }
-        let place = &mut self.touches[self.touching];
-        let mut under = std::mem::take(&mut place.under);
-        self.lattice.find_under(at_m, radius_m, &mut under);
-        if !under.is_empty() {
-            self.touching += 1;
-            self.asleep = false;
-        }
-        *place = Touch { under, ..touch };
+        self.asleep &= !self.acting[0].put(&self.lattice, at_m, radius_m, touch);
     }
 
     /// The liquid presses from below during the next step, by a pressure in pascal at each place
     /// in world metres; one that is not finite counts as 0.
     pub fn press(&mut self, pressure_pa: impl Fn(Vec3) -> f32) {
-        self.force_n.resize(self.lattice.len(), 0.0);
-        let node_m2 = self.lattice.node_m2();
-        let mut is_pressed = false;
-        for (node, force_n) in self.force_n.iter_mut().enumerate() {
-            let at = self.lattice.in_world_m(node);
-            let wanted = if self.lattice.wet[node] { node_m2 * pressure_pa(at) } else { 0.0 };
-            *force_n = if wanted.is_finite() { wanted } else { 0.0 };
-            is_pressed |= *force_n != 0.0;
-        }
-        self.is_pressed = is_pressed;
-        self.asleep &= !is_pressed;
+        self.asleep &= !self.acting[0].press(&self.lattice, pressure_pa);
     }
 
-    /// One step.
+    /// One step. If its length is not positive or not finite nothing moves, and what was to act in
+    /// it is gone.
     pub fn step(&mut self, dt_s: f32) -> SurfaceReport {
         if self.asleep {
             return SurfaceReport::default();
         }
-        let load = Load {
-            touches: &self.touches[..self.touching],
-            force_n: self.is_pressed.then_some(&*self.force_n),
-        };
-        let substeps = self.model.step(dt_s, load);
-        self.last = (dt_s, self.touching, self.is_pressed);
-        (self.touching, self.is_pressed) = (0, false);
+        if !(dt_s > 0.0 && dt_s.is_finite()) {
+            self.acting[0].clear();
+            return SurfaceReport::default();
+        }
+        let substeps = self.model.step(dt_s, self.acting[0].load());
+        self.acting.swap(0, 1);
+        self.acting[0].clear();
+        self.acting[1].calm();
+        self.last_s = dt_s;
         SurfaceReport { substeps, guard_actions: self.look() }
     }
 
@@ -290,25 +265,20 @@ impl Surface {
     #[must_use]
     pub fn volume_m3(&self) -> f64 {
         let waves: f64 = self.height_m.iter().map(|y| f64::from(*y)).sum();
-        let nodes = waves + self.level_m * self.lattice.wet_count() as f64;
-        nodes * f64::from(self.lattice.node_m2())
+        waves * f64::from(self.lattice.node_m2()) + self.level_m * self.wet_m2
     }
 
     /// Looks ahead: what [`Surface::ahead`] tells is of the moment `ahead_s` from now, if what
     /// acted in the last step goes on acting until then, and what is sudden does not come again.
     pub fn look_ahead(&mut self, ahead_s: f32) {
-        let (dt_s, touching, is_pressed) = self.last;
-        if self.asleep || dt_s <= 0.0 || !(ahead_s > 0.0 && ahead_s.is_finite()) {
+        if self.asleep || self.last_s <= 0.0 || !(ahead_s > 0.0 && ahead_s.is_finite()) {
             self.then.iter_mut().for_each(Vec::clear);
             return;
         }
-        let steps = (ahead_s / dt_s).ceil().min(MOST_STEPS_AHEAD);
-        self.touches.iter_mut().for_each(|touch| touch.kick_j = 0.0);
+        let steps = (ahead_s / self.last_s).ceil().clamp(1.0, MOST_STEPS_AHEAD);
         self.model.keep();
         for _ in 0..steps as u32 {
-            let touches = &self.touches[..touching];
-            let load = Load { touches, force_n: is_pressed.then_some(&*self.force_n) };
-            self.model.step(ahead_s / steps, load);
+            self.model.step(ahead_s / steps, self.acting[1].load());
         }
         let [height_m, speed_m_s] = &mut self.then;
         height_m.resize(self.lattice.len(), 0.0);
@@ -332,7 +302,7 @@ impl Surface {
     pub fn look_below(&mut self, at_in_world_m: Vec3) {
         let depth_m = self.rest_height_in_world_m() - at_in_world_m.y;
         if !self.asleep && depth_m.is_finite() {
-            self.orbits.find(&mut *self.model, self.lattice.len(), depth_m, self.layer_m);
+            self.orbits.find(&mut *self.model, self.lattice.len(), depth_m);
         }
     }
 

@@ -20,6 +20,21 @@ pub struct Basin<'a> {
     pub simd: SimdClass,
 }
 
+impl<'a> Basin<'a> {
+    /// Water at 20 C, under gravity of the earth.
+    #[must_use]
+    pub fn of_water(grid: &'a Grid, vessel: &'a Vessel) -> Self {
+        Self {
+            grid,
+            vessel,
+            density_kg_m3: 1000.0,
+            viscosity_m2_s: 1e-6,
+            gravity_m_s2: 9.81,
+            simd: SimdClass::detect(),
+        }
+    }
+}
+
 /// What acts on a surface during a step.
 #[derive(Clone, Copy, Default)]
 pub struct Load<'a> {
@@ -54,6 +69,12 @@ pub trait Model: Send {
     /// model that has no below.
     fn fade(&mut self, _fading: &mut Fading) -> bool {
         false
+    }
+
+    /// What the stress that is made of [`Model::fade`] is surely not above, over density and in
+    /// m^2/s^2, where no height is above `highest_m`; 0 for a model that has no below.
+    fn most_drift_m2_s2(&self, _highest_m: f32) -> f32 {
+        0.0
     }
 
     /// Adds to heights and speeds, as far as it can tell: their mean is left out.

@@ -3,32 +3,39 @@
 use glam::Vec3;
 
 use super::{Lattice, Model};
+use crate::grid::Grid;
 
 /// Layers of cells that are kept: as many as a field around the probe has, and one on each side.
 const LAYERS: usize = 12;
 
 /// A few layers of the potential flow below the surface.
-#[derive(Default)]
 pub struct Orbits {
     /// The first layer that is kept, counted from the surface; `None` while nothing moves.
     first: Option<usize>,
     layer_m: f32,
+    /// The layer at the bottom.
+    deepest: usize,
     /// By layer: potential and vertical speed at the nodes of the lattice.
     layers: Vec<[Vec<f32>; 2]>,
 }
 
 impl Orbits {
+    /// Nothing moves, over layers of the cells of a grid.
+    pub fn new(grid: &Grid) -> Self {
+        let [_, deepest, _] = grid.cells;
+        Self { first: None, layer_m: grid.spacing_m, deepest, layers: Vec::new() }
+    }
+
     /// Forgets what is kept: nothing moves.
     pub fn rest(&mut self) {
         self.first = None;
     }
 
-    /// Keeps the layers around a depth, of cells of this height; none if the model has none.
-    pub fn find(&mut self, model: &mut dyn Model, nodes: usize, depth_m: f32, layer_m: f32) {
-        let middle = (depth_m / layer_m).max(0.0) as usize;
+    /// Keeps the layers around a depth; none if the model has none.
+    pub fn find(&mut self, model: &mut dyn Model, nodes: usize, depth_m: f32) {
+        let middle = ((depth_m / self.layer_m).max(0.0) as usize).min(self.deepest);
         let first = middle.saturating_sub(LAYERS / 2);
         self.layers.resize_with(LAYERS, || [(); 2].map(|()| vec![0.0; nodes]));
-        self.layer_m = layer_m;
         let mut layers = self.layers.iter_mut().enumerate();
         let found = layers.all(|(n, [phi, rising])| model.orbit(first + n, phi, rising));
         self.first = found.then_some(first);

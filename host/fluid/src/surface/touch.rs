@@ -1,4 +1,8 @@
-//! What bodies do to the surface.
+//! What bodies do to the surface, and the liquid below it.
+
+use glam::Vec3;
+
+use super::{Lattice, Load};
 
 /// What a body does to the surface under it during a step.
 #[derive(Clone, Debug, Default)]
@@ -66,6 +70,70 @@ impl Touch {
             0.0.. => 2.0 * kick_j / (root + towards),
             _ => kick_j.signum() * (root - towards) / per_kg,
         }
+    }
+}
+
+/// All that acts on a surface in a step. Its room is used again.
+#[derive(Default)]
+pub(super) struct Acting {
+    touches: Vec<Touch>,
+    touching: usize,
+    /// Upward force on each node; empty until something presses.
+    force_n: Vec<f32>,
+    is_pressed: bool,
+}
+
+impl Acting {
+    /// What it is to a model.
+    pub fn load(&self) -> Load<'_> {
+        let force_n = self.is_pressed.then_some(&*self.force_n);
+        Load { touches: &self.touches[..self.touching], force_n }
+    }
+
+    /// Nothing acts any more.
+    pub fn clear(&mut self) {
+        (self.touching, self.is_pressed) = (0, false);
+    }
+
+    /// What is sudden does not come again.
+    pub fn calm(&mut self) {
+        self.touches.iter_mut().for_each(|touch| touch.kick_j = 0.0);
+    }
+
+    /// Adds a touch of what is under a body; false if nothing is, or a number is not finite.
+    pub fn put(&mut self, lattice: &Lattice, at_m: Vec3, radius_m: f32, touch: Touch) -> bool {
+        if !at_m.is_finite() || !radius_m.is_finite() {
+            return false;
+        }
+        if self.touches.len() == self.touching {
+            self.touches.push(Touch::default());
+        }
+        let place = &mut self.touches[self.touching];
+        let mut under = std::mem::take(&mut place.under);
+        lattice.find_under(at_m, radius_m, &mut under);
+        let is_there = !under.is_empty();
+        self.touching += usize::from(is_there);
+        *place = Touch { under, ..touch };
+        is_there
+    }
+
+    /// Presses by the pressure at each place, instead of what pressed. True if there is any.
+    pub fn press(&mut self, lattice: &Lattice, pressure_pa: impl Fn(Vec3) -> f32) -> bool {
+        self.force_n.resize(lattice.len(), 0.0);
+        let node_m2 = lattice.node_m2();
+        self.is_pressed = false;
+        for (node, force_n) in self.force_n.iter_mut().enumerate() {
+            let at = lattice.in_world_m(node);
+            let wanted = if lattice.wet[node] { node_m2 * pressure_pa(at) } else { 0.0 };
+            *force_n = if wanted.is_finite() { wanted } else { 0.0 };
+            self.is_pressed |= *force_n != 0.0;
+        }
+        self.is_pressed
+    }
+
+    /// Memory that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.force_n.as_slice())
     }
 }
 

@@ -62,6 +62,12 @@ struct Waves {
     orbits: Orbits,
     /// Of each mode, as [`Damping::answer_per_m`].
     answer_per_m: Vec<f32>,
+    /// Of each mode: its decay; and potential, and its slope, by vertical speed.
+    fading_per_s: Vec<f32>,
+    potential_m: Vec<f32>,
+    slope: Vec<f32>,
+    /// What no mode is above anywhere.
+    peak_per_m: f32,
     amplitude: Vec<f32>,
     speed: Vec<f32>,
     /// For two lengths of steps: as they come, and as they are looked ahead by.
@@ -92,7 +98,18 @@ impl Waves {
         modes.resize(modes.len().next_multiple_of(LANES), Mode::default());
         let damping: Vec<_> = modes.iter().map(|mode| Damping::of(*mode, &liquid)).collect();
         let zeros = || vec![0.0; modes.len()];
+        let of_waves = |value: fn(&Mode, &Damping) -> f64| -> Vec<f32> {
+            let pairs = modes.iter().zip(&damping);
+            let of = |(mode, damping): (&Mode, &Damping)| {
+                if damping.answer_per_m > 0.0 { value(mode, damping) as f32 } else { 0.0 }
+            };
+            pairs.map(of).collect()
+        };
         Ok(Self {
+            fading_per_s: of_waves(|_, damping| damping.gamma_per_s),
+            potential_m: of_waves(|mode, _| 1.0 / mode.lambda_per_m),
+            slope: of_waves(|mode, _| mode.wavenumber_per_m / mode.lambda_per_m),
+            peak_per_m: basis.peak_per_m(),
             simd: basin.simd,
             answer_per_m: damping.iter().map(|mode| mode.answer_per_m as f32).collect(),
             density_kg_m3: liquid.density_kg_m3,
@@ -210,21 +227,42 @@ impl Model for Waves {
                 2.0 * damping.gamma_per_s * f64::from(*w).powi(2) / damping.answer_per_m
             });
         fading.power_w = self.density_kg_m3 * powers.sum::<f64>();
-        let Self { under, modes, damping, basis, .. } = self;
-        let mut write = |of: &[f32], is_potential: bool, is_rate: bool, nodal: &mut [f32]| {
-            let all = under.iter_mut().zip(of).zip(modes.iter().zip(damping.iter()));
-            for ((to, of), (mode, damping)) in all {
-                let rate = if is_rate { damping.gamma_per_s as f32 } else { 1.0 };
-                let is_wave = damping.answer_per_m > 0.0;
-                let share = if is_potential { 1.0 / mode.lambda_per_m as f32 } else { 1.0 };
-                *to = if is_wave { rate * share * of } else { 0.0 };
-            }
+        let Self { under, amplitude, speed, fading_per_s, potential_m, basis, .. } = self;
+        let mut write = |value: &dyn Fn(usize) -> f32, nodal: &mut [f32]| {
+            under.iter_mut().enumerate().for_each(|(j, to)| *to = value(j));
             basis.synthesise([under], [nodal]);
         };
-        write(&self.amplitude, false, true, &mut fading.height_m_s);
-        write(&self.speed, true, false, &mut fading.potential);
-        write(&self.speed, true, true, &mut fading.potential_per_s);
+        write(&|j| fading_per_s[j] * amplitude[j], &mut fading.height_m_s);
+        write(&|j| potential_m[j] * speed[j], &mut fading.potential);
+        write(&|j| fading_per_s[j] * potential_m[j] * speed[j], &mut fading.potential_per_s);
         true
+    }
+
+    fn most_drift_m2_s2(&self, highest_m: f32) -> f32 {
+        let Self { amplitude, speed, fading_per_s, slope, .. } = self;
+        let [amplitude, speed, fading_per_s, slope] =
+            [amplitude, speed, fading_per_s, slope].map(|a| a.as_chunks::<LANES>().0);
+        // Of a sum of modes none is above that of their magnitudes at their peaks.
+        let sums = self.simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut sums = [[0.0; LANES]; 3];
+                let [fading, steep, fading_steep] = &mut sums;
+                for j in 0..amplitude.len() {
+                    for i in 0..LANES {
+                        let gamma = fading_per_s[j][i];
+                        let slope = slope[j][i] * speed[j][i].abs();
+                        fading[i] += gamma * amplitude[j][i].abs();
+                        steep[i] += slope;
+                        fading_steep[i] += gamma * slope;
+                    }
+                }
+                sums
+            },
+        );
+        let [fading, steep, fading_steep] =
+            sums.map(|lanes| self.peak_per_m * lanes.iter().sum::<f32>());
+        fading * steep + highest_m * fading_steep
     }
 
     fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]) {

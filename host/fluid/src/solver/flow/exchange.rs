@@ -100,6 +100,18 @@ impl<'a> Kernel<'a> {
         change
     }
 
+    /// The energy that [`Kernel::push`] gives, in units of cell mass times velocity squared.
+    pub fn work(&self, velocity: [&[f32]; 3], impulse: DVec3) -> f64 {
+        let mut work = 0.0;
+        for (c, u) in velocity.into_iter().enumerate() {
+            self.visit(c, |at, mass, per_mass| {
+                let gain = impulse[c] * per_mass;
+                work += mass * gain * (f64::from(u[at]) + 0.5 * gain);
+            });
+        }
+        work
+    }
+
     /// 1 for each component that has an open face within reach, else 0.
     pub fn reach(&self) -> DVec3 {
         DVec3::from_array([0, 1, 2].map(|c| {
@@ -159,6 +171,18 @@ impl Flow {
         self.ghosts.fill(&mut self.velocity, Fill::Projected);
         self.survey = None;
         Ok(change * mass_kg)
+    }
+
+    /// Energy in joules that [`Flow::push`] would bring to the liquid with an impulse, but for
+    /// rounding: J . u + |J|^2 / 2m, of the mass m that it moves at once.
+    #[must_use]
+    pub fn push_work_j(&self, centre_in_world_m: Vec3, radius_m: f32, impulse_n_s: DVec3) -> f64 {
+        let mass_kg = self.cell_mass_kg();
+        if mass_kg <= 0.0 {
+            return 0.0;
+        }
+        let kernel = self.kernel(centre_in_world_m, radius_m);
+        mass_kg * kernel.work(components(&self.velocity), impulse_n_s / mass_kg)
     }
 
     /// Mean velocity of the liquid around a point, weighted as [`Flow::push`] spreads; zero

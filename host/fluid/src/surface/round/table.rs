@@ -85,6 +85,12 @@ impl Table {
         &self.waves
     }
 
+    /// What no wave is above at any node.
+    pub fn peak_per_m(&self) -> f32 {
+        let all = self.psi_per_m.as_flattened().as_flattened();
+        all.iter().fold(0.0, |most, psi| most.max(psi.abs()))
+    }
+
     /// Memory that it takes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.psi_per_m.as_slice())

@@ -4,14 +4,7 @@ use glam::Vec3;
 
 fn sheet(params: SurfaceParams) -> SpringSheet {
     let grid = Grid { cells: [17, 8, 17], spacing_m: 0.01, origin_in_world_m: Vec3::ZERO };
-    let basin = Basin {
-        grid: &grid,
-        vessel: &Vessel::Box,
-        density_kg_m3: 1000.0,
-        viscosity_m2_s: 1e-6,
-        gravity_m_s2: 9.81,
-        simd: SimdClass::detect(),
-    };
+    let basin = Basin::of_water(&grid, &Vessel::Box);
     let lattice = Lattice::over(&grid, &Vessel::Box, 1);
     SpringSheet::new(&params, &lattice, &basin).expect("sound numbers")
 }

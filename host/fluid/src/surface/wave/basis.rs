@@ -36,6 +36,14 @@ impl Basis {
         }
     }
 
+    /// What no mode is above at any node.
+    pub fn peak_per_m(&self) -> f32 {
+        match self {
+            Self::Box(cosines) => cosines.peak_per_m(),
+            Self::Round(table) => table.peak_per_m(),
+        }
+    }
+
     /// All modes, in the order of arrays of them.
     pub fn modes(&self, depth_m: f64) -> Vec<Mode> {
         match self {

@@ -65,6 +65,12 @@ impl Cosines {
         arrays.map(|a| size_of_val(a.as_slice())).iter().sum()
     }
 
+    /// What no mode is above: cos cos over the root of its mean square, which is a quarter.
+    pub fn peak_per_m(&self) -> f32 {
+        let nodes: usize = self.nodes.iter().product();
+        2.0 / (self.spacing_m * (nodes as f32).sqrt())
+    }
+
     /// All modes of liquid of a depth, in their order; the constant one and pads have lambda 0.
     pub fn modes(&self, depth_m: f64) -> impl Iterator<Item = Mode> {
         // The eigenvalue of a cosine of angle t a node is 2 - 2 cos t = 4 sin^2(t/2).

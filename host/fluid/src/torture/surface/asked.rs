@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{case::Case, world::Liquid};
-use crate::{solver::Solver, surface::Surface, torture::ledger::Ledger};
+use crate::{solver::Solver, splash::SplashBooks, surface::Surface, torture::ledger::Ledger};
 
 /// Energy above the account, as a part of it, that is rounding: of a step, as a stiff sheet's
 /// energy is told by differences of heights in f32.
@@ -132,35 +132,79 @@ pub fn look(surface: &Surface, at: Vec3, ledger: &mut Ledger, step: usize) {
     ledger.check("dry_moved", moved as f64, 0.0, step);
 }
 
+/// Rounding of a drop's velocity and place in a step, and of the energy of a flow, as a part.
+const FLIGHT_ROUNDING: f64 = 1e-6;
+
+/// A sheet's largest stiffness by area is this times tension over the square of the spacing, and
+/// what gravity gives: more than 8 (5/6 + bend) of springs, and 2 pi^2 of waves.
+const STIFFEST: f64 = 20.0;
+
+/// What there was before drops did anything.
+pub struct Before {
+    energy_j: f64,
+    /// What f32 may have changed it by.
+    rounding_j: f64,
+    spilled_j: f64,
+    lent_j: f64,
+}
+
 impl Liquid {
-    /// Energy of the surface, of the liquid below, of drops, and of the level.
-    pub fn energy_j(&self, case: &Case, surface: &Surface) -> f64 {
-        let [density, gravity] = [case.density_kg_m3, case.gravity_m_s2].map(f64::from);
-        let rest_m = surface.rest_height_in_world_m();
+    /// To compare with.
+    pub fn before(&self, case: &Case, surface: &Surface) -> Before {
+        let SplashBooks { spilled_j, lent_j, .. } = *self.splash.books();
+        let energy_j = self.energy_j(case, surface);
+        let [density, gravity, dt_s] =
+            [case.density_kg_m3, case.gravity_m_s2, case.dt_s].map(f64::from);
+        let rest_m = f64::from(surface.rest_height_in_world_m().abs());
         let drops = self.splash.drops().iter().map(|drop| {
-            let speed = drop.velocity_m_s.as_dvec3().length_squared();
-            let above_m = f64::from(drop.at_in_world_m.y - rest_m);
-            density * drop.volume_m3 * (0.5 * speed + gravity * above_m)
+            let [speed, y] =
+                [drop.velocity_m_s.length(), drop.at_in_world_m.y.abs()].map(f64::from);
+            let speed = speed + gravity * dt_s;
+            density * drop.volume_m3 * (speed * speed + gravity * (rest_m + y + dt_s * speed))
         });
+        // Of a sheet it is a form of heights, so that of h + e is at most (sqrt E + sqrt E(e))^2.
+        let [spacing_m, tension, bend] =
+            [case.spacing_m(), case.params.tension_n_per_m.into(), case.params.bend.into()];
+        let stiffest_n_per_m =
+            density * gravity * spacing_m * spacing_m + STIFFEST * tension * (1.0 + bend);
+        let squares_m2: f64 = surface.height_m().iter().map(|y| f64::from(*y).powi(2)).sum();
+        let of_heights_j = 0.5 * stiffest_n_per_m * ROUNDING * ROUNDING * squares_m2;
+        let of_sheet_j = 2.0 * (energy_j.abs() * of_heights_j).sqrt() + of_heights_j;
+        let size_j = energy_j.abs() + drops.sum::<f64>();
+        Before { energy_j, rounding_j: FLIGHT_ROUNDING * size_j + of_sheet_j, spilled_j, lent_j }
+    }
+
+    /// Energy of the surface, of the liquid below, of drops, and of the level.
+    fn energy_j(&self, case: &Case, surface: &Surface) -> f64 {
+        let [density, gravity] = [case.density_kg_m3, case.gravity_m_s2].map(f64::from);
+        let drops = self.splash.drops().iter().map(|drop| self.splash.energy_j(surface, drop));
         let lattice = surface.lattice();
         let wet_m2 = f64::from(lattice.node_m2()) * lattice.wet_count() as f64;
         let level_j = 0.5 * density * gravity * wet_m2 * f64::from(surface.level_m()).powi(2);
         surface.energy_j() + self.flow.kinetic_energy_j() + drops.sum::<f64>() + level_j
     }
 
-    /// Compares volume and momentum around what drops did, and tells of the energy.
+    /// Compares energy, volume and momentum around what drops did.
     pub fn ask(
         &self,
         case: &Case,
         surface: &Surface,
-        before_j: f64,
+        before: &Before,
         ledger: &mut Ledger,
         step: usize,
     ) {
         let (after_j, books) = (self.energy_j(case, surface), self.splash.books());
-        let gained = (after_j - before_j) / before_j.abs().max(f64::MIN_POSITIVE);
         if books.drops > 0 {
-            ledger.most("splash_excess", gained.clamp(0.0, f64::MAX));
+            let lent_j = books.lent_j - before.lent_j;
+            let gained_j = after_j + books.spilled_j - before.spilled_j - before.energy_j;
+            let part = |energy_j: f64| {
+                energy_j / (before.energy_j.abs() + before.rounding_j).max(f64::MIN_POSITIVE)
+            };
+            let excess = part((gained_j - lent_j - before.rounding_j).max(0.0));
+            ledger.check("splash_excess", excess, 0.0, step);
+            // Only what is set from outside rises over drops.
+            let most = if case.jump_m > 0.0 { f64::MAX } else { part(before.rounding_j) };
+            ledger.check("splash_lent", part(lent_j), most, step);
         }
         let all_m3 = surface.volume_m3() + self.splash.airborne_m3() + books.spilled_m3;
         let lattice = surface.lattice();

@@ -20,6 +20,9 @@ const MOST_NODES: usize = 1 << 21;
 /// Cells along an edge of the liquid below, where there is any to splash into.
 const SPLASH_CELLS: usize = 10;
 
+/// Steps that nobody asks for, and that have to be taken.
+const STRANGE_DT_S: [f64; 2] = [1e-9, 1e3];
+
 /// One seed's torture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
@@ -175,5 +178,8 @@ fn draw(seed: u64, draws: &mut Rand64) -> Case {
     let nodes = [edge(), edge()];
     let spacing_m = log_uniform(draws, [1e-4, 0.1]) as f32;
     case.set_nodes(nodes, spacing_m, chance(draws, 0.25));
+    if chance(draws, 0.2) {
+        case.dt_s = log_uniform(draws, STRANGE_DT_S) as f32;
+    }
     case
 }

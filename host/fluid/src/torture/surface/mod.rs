@@ -8,10 +8,10 @@
 //! Nothing but the public API is used. What is asked of each seed:
 //! - every value is finite, and none above the crate's cap;
 //! - energy is never above what it was plus the work of forces and the energy of kicks; dampers
-//!   only
-//!   take. How much drops make in a step is told, but not judged: `splash_excess`, as a part of
-//!   what
-//!   there was;
+//!   only take;
+//! - drops bring no energy: that of surface, level, liquid, drops, and of what was spilled does not
+//!   grow by what they do, but for rounding. Those that a jump buried are lent some, which is told:
+//!   `splash_lent`, as a part of what there was;
 //! - the volume stays: that of the pot, or with drops that of pot, air and floor together; so does
 //!   the momentum that drops exchange with the liquid;
 //! - a second run, on one thread, has the same bits, though only the first is offered touches,
@@ -39,6 +39,7 @@ pub const SURFACE: Group = Group {
     checks: &[
         ("energy_excess", "energy"),
         ("splash_excess", "splash"),
+        ("splash_lent", "lent"),
         ("volume_error", "volume"),
         ("largest", "largest"),
         ("left_at_rest", "rest"),

@@ -4,6 +4,11 @@
 //! omega^2 / 2 gamma. Of springs gamma = b / 2m, and omega^2 >= k_g / m; of waves gamma is at least
 //! nu k^2 and what drag adds, on the way between Lamb's limits 2 nu k^2 of thin liquids and
 //! omega^2 / 2 nu k^2 of thick ones.
+//!
+//! In what is round of radius R no wave has a smaller k than 1.841 / R (Rayleigh's quotient; that of
+//! an upright cylinder). The more room there is below, the larger is lambda: so that of a pot as
+//! deep as it is wide is at least that of the cone of 45 degrees in it, 1/R for the slowest, whose
+//! potential is x y above its tip; and so at least half of k tanh(k h).
 
 use std::f64::consts::PI;
 
@@ -39,11 +44,9 @@ pub struct Decay {
 }
 
 impl Decay {
-    /// How the surface of a case comes to rest; `None` if nothing damps it, or it breaks, or
-    /// nothing is known of its modes.
+    /// How the surface of a case comes to rest; `None` if nothing damps it, or it breaks.
     pub fn of(case: &Case) -> Option<Self> {
-        let is_known = case.params.model == "spring" || case.vessel == Vessel::Box;
-        if case.splashes || !is_known {
+        if case.splashes {
             return None;
         }
         let (rate_per_s, longest_s) = match case.params.model {
@@ -94,12 +97,15 @@ fn of_waves(case: &Case) -> f64 {
         [case.density_kg_m3, case.viscosity_m2_s, case.gravity_m_s2].map(f64::from);
     let [tension, drag] = [case.params.tension_n_per_m, case.params.drag_n_s_per_m3].map(f64::from);
     let most = case.nodes().into_iter().max().unwrap_or(1) as f64;
+    let (longest, share) = match &case.vessel {
+        Vessel::Pot { radius_m, .. } => (1.841 / f64::from(*radius_m), 0.5),
+        _ => (PI / (most * case.spacing_m()), 1.0),
+    };
     let rate = |k: f64| {
-        let lambda = k * (k * case.depth_m()).tanh();
+        let lambda = share * k * (k * case.depth_m()).tanh();
         let omega2 = lambda * (gravity + tension / density * k * k);
         slower(viscosity * k * k + 0.5 * drag * lambda / density, 0.5 * omega2)
     };
-    let longest = PI / (most * case.spacing_m());
     // Between them the rate rises or falls, or has its least where it is omega^2 / 2 gamma.
     let waves = (0..64).map(|n| longest * (1.5 * most).powf(f64::from(n) / 63.0));
     waves.map(rate).fold(f64::MAX, f64::min)

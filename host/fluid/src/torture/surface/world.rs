@@ -96,10 +96,11 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Offers what is not finite in one of its numbers: it is to be left out, whatever it is.
+    /// Offers what is not finite in one of its numbers, or what no step can last: it is to be left
+    /// out, whatever it is. And looks where and when there is nothing to be seen.
     pub fn offer_bad(&mut self) {
+        let at = self.surface.lattice().in_world_m(0);
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            let at = self.surface.lattice().in_world_m(0);
             self.surface.touch(at.with_x(bad), 0.01, 1.0, 1.0);
             self.surface.touch(at, bad, 1.0, 1.0);
             self.surface.touch(at, 0.01, bad, 1.0);
@@ -110,6 +111,18 @@ impl<'a> World<'a> {
             self.surface.press(|_| bad);
             self.surface.look_ahead(bad);
             self.surface.look_below(at.with_y(bad));
+            self.surface.step(bad);
+        }
+        for bad_s in [0.0, -0.0, -self.case.dt_s] {
+            self.surface.step(bad_s);
+            self.surface.look_ahead(bad_s);
+        }
+        for far_s in [f32::MIN_POSITIVE, 1e-9, 1e3, f32::MAX] {
+            self.surface.look_ahead(far_s);
+        }
+        for far_m in [1e3, f32::MAX] {
+            self.surface.look_below(at.with_y(-far_m));
+            self.surface.look_below(at.with_y(far_m));
         }
     }
 
@@ -155,13 +168,15 @@ impl<'a> World<'a> {
         work.of_pressure(&self.surface, pressure_pa);
     }
 
-    /// One side of a line is suddenly higher, and rises.
+    /// One side of a line is suddenly higher, and rises; and a node is told no numbers.
     fn jump(&mut self) {
         let (at, height_m) = (self.place(), self.up_to(self.case.jump_m) as f32);
         let speed_m_s = self.up_to(self.case.jump_m) as f32;
+        let first = self.surface.lattice().in_world_m(0);
+        let or_bad = |x, z, value, bad| if [x, z] == [first.x, first.z] { bad } else { value };
         self.surface.set(
-            |x, _| if x < at.x { height_m } else { 0.0 },
-            |_, z| if z < at.z { speed_m_s } else { 0.0 },
+            |x, z| or_bad(x, z, if x < at.x { height_m } else { 0.0 }, f32::NAN),
+            |x, z| or_bad(x, z, if z < at.z { speed_m_s } else { 0.0 }, f32::INFINITY),
         );
     }
 
@@ -206,9 +221,9 @@ impl Liquid {
             let told = format!("in step {step}, {refused}");
             ledger.failures.entry("finite input").or_insert(told);
         }
-        let before_j = self.energy_j(case, surface);
+        let before = self.before(case, surface);
         let Self { flow, substances, splash } = self;
         splash.step(Below { surface, flow, substances }, case.dt_s);
-        self.ask(case, surface, before_j, ledger, step);
+        self.ask(case, surface, &before, ledger, step);
     }
 }
