@@ -172,7 +172,13 @@ impl Pot {
     pub fn plan(&self) -> Vec<Item> {
         let liquid = self.flow.as_ref().map_or_else(|| vec![Item::off("liquid")], Flow::plan);
         let substances = self.substances.as_ref().map(Substances::plan).unwrap_or_default();
-        let sheet = self.surface.as_ref().map(|sheet| (sheet.params().model, sheet.bytes()));
+        let sheet = self.surface.as_ref().map(|sheet| {
+            let [nx, nz] = sheet.lattice().nodes;
+            (
+                format!("{}, {nx} x {nz} nodes, drops where it breaks", sheet.params().model),
+                sheet.bytes(),
+            )
+        });
         let surface = Item::if_any("surface", sheet);
         let air = self.air.as_ref().map_or_else(|| vec![Item::off("gas")], Air::plan);
         liquid.into_iter().chain(substances).chain([surface]).chain(air).collect()
