@@ -80,9 +80,13 @@ impl Ghosts {
         Self { layout: *layout, rules }
     }
 
-    /// Gives a side that the flow sticks to its velocity at each of its points, by component.
-    pub fn stick_to(&mut self, axis: usize, end: usize, velocity: [Vec<f32>; 3]) {
-        self.rules[axis][end] = Rule::Sticks(Some(velocity));
+    /// Gives a side that the flow sticks to its velocity at each of its points, by component, in
+    /// exchange for what it had.
+    pub fn stick_to(&mut self, axis: usize, end: usize, velocity: &mut [Vec<f32>; 3]) {
+        let given = Rule::Sticks(Some(std::mem::take(velocity)));
+        if let Rule::Sticks(Some(had)) = std::mem::replace(&mut self.rules[axis][end], given) {
+            *velocity = had;
+        }
     }
 
     /// What the pressure meets at the ends of each axis.

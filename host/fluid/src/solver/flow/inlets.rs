@@ -15,8 +15,22 @@ const MAX_SPEED_M_S: f64 = 1e3;
 /// that are the same.
 const SAMPLING: f64 = 0.02;
 
-/// The velocity of a side at each of its points, by component.
-type Sampled = [Vec<f32>; 3];
+/// A side, and its velocity at each of its points, by component.
+#[derive(Default)]
+pub(super) struct Sampled {
+    axis: usize,
+    end: usize,
+    values: [Vec<f32>; 3],
+}
+
+impl Sampled {
+    /// No less than the largest speed.
+    fn largest_speed_m_s(&self) -> f64 {
+        let [u, v, w] = &self.values;
+        let sums = u.iter().zip(v).zip(w).map(|((u, v), w)| u.abs() + v.abs() + w.abs());
+        f64::from(sums.fold(0.0, f32::max))
+    }
+}
 
 impl Flow {
     /// Sets the velocities of all sides that are [`Side::Moving`] or [`Side::Inflow`], of which
@@ -51,44 +65,61 @@ impl Flow {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn set_side_velocities(&mut self, velocity_m_s: &SideVelocity<'_>) -> Result<(), Refused> {
-        let mut sampled = Vec::new();
-        for (axis, both) in self.sides.0.iter().enumerate() {
-            for (end, side) in both.iter().enumerate() {
-                if matches!(side, Side::Moving(_) | Side::Inflow(_)) {
-                    let is_wall = matches!(side, Side::Moving(_));
-                    sampled.push((
-                        axis,
-                        end,
-                        self.sample_side([axis, end], is_wall, velocity_m_s)?,
-                    ));
-                }
+        let mut sampled = std::mem::take(&mut self.sampled_sides);
+        let is_sound = self
+            .sample_sides(&mut sampled, velocity_m_s)
+            .and_then(|()| self.balance_sides(&mut sampled));
+        if is_sound.is_ok() {
+            self.side_speed_m_s =
+                sampled.iter().map(Sampled::largest_speed_m_s).fold(0.0, f64::max);
+            for Sampled { axis, end, values } in &mut sampled {
+                self.ghosts.stick_to(*axis, *end, values);
             }
+            self.sides_have_changed();
         }
-        self.balance_sides(&mut sampled)?;
-        let speed = |(_, _, [u, v, w]): &(usize, usize, Sampled)| {
-            let sums = u.iter().zip(v).zip(w).map(|((u, v), w)| u.abs() + v.abs() + w.abs());
-            f64::from(sums.fold(0.0, f32::max))
-        };
-        self.side_speed_m_s = sampled.iter().map(speed).fold(0.0, f64::max);
-        for (axis, end, values) in sampled {
-            self.ghosts.stick_to(axis, end, values);
+        self.sampled_sides = sampled;
+        is_sound
+    }
+
+    /// The velocities of all sides that have one. What was sampled before makes room for them.
+    fn sample_sides(
+        &self,
+        sampled: &mut Vec<Sampled>,
+        velocity_m_s: &SideVelocity<'_>,
+    ) -> Result<(), Refused> {
+        let sides = self.sides.0.iter().enumerate().flat_map(|(axis, both)| {
+            both.iter().enumerate().map(move |(end, side)| (axis, end, side))
+        });
+        let given = sides.filter(|(.., side)| matches!(side, Side::Moving(_) | Side::Inflow(_)));
+        for (place, (axis, end, side)) in given.enumerate() {
+            if sampled.len() == place {
+                sampled.push(Sampled::default());
+            }
+            let is_wall = matches!(side, Side::Moving(_));
+            let to = &mut sampled[place];
+            (to.axis, to.end) = (axis, end);
+            self.sample_side(to, is_wall, velocity_m_s)?;
         }
-        self.sides_have_changed();
         Ok(())
     }
 
     /// The velocity at the points of a side, and of what lies beyond its edges at these.
     fn sample_side(
         &self,
-        [axis, end]: [usize; 2],
+        to: &mut Sampled,
         is_wall: bool,
         velocity_m_s: &SideVelocity<'_>,
-    ) -> Result<Sampled, Refused> {
+    ) -> Result<(), Refused> {
+        let (axis, end) = (to.axis, to.end);
         let cells = self.layout.cells;
         let padded = cells.map(|n| n + 2);
         let [a, b] = across(axis);
-        let mut values = [0, 1, 2].map(|_| vec![0.0; self.layout.points_of_side(axis)]);
-        for (c, values) in values.iter_mut().enumerate().filter(|(c, _)| !(is_wall && *c == axis)) {
+        for (c, values) in to.values.iter_mut().enumerate() {
+            values.clear();
+            values.resize(self.layout.points_of_side(axis), 0.0);
+            if is_wall && c == axis {
+                continue;
+            }
             for place in 0..padded[a] * padded[b] {
                 let mut face = [0; 3];
                 (face[a], face[b]) = (place % padded[a], place / padded[a]);
@@ -106,29 +137,30 @@ impl Flow {
                 values[self.layout.place_on_side(axis, face)] = value as f32;
             }
         }
-        Ok(values)
+        Ok(())
     }
 
     /// Makes as much go out as comes in where nothing else lets it.
-    fn balance_sides(&self, sampled: &mut [(usize, usize, Sampled)]) -> Result<(), Refused> {
+    fn balance_sides(&self, sampled: &mut [Sampled]) -> Result<(), Refused> {
         if self.sides.0.iter().flatten().any(|side| *side == Side::Outflow) {
             return Ok(());
         }
-        let passing: [f64; 2] = sampled.iter().fold([0.0; 2], |sums, (axis, end, values)| {
-            let mut sums = sums;
-            self.each_of_side(*axis, *end, |place, area| {
-                let inward = f64::from(values[*axis][place]) * [1.0, -1.0][*end] * area;
-                sums[usize::from(inward < 0.0)] += inward.abs();
+        let passing: [f64; 2] =
+            sampled.iter().fold([0.0; 2], |sums, Sampled { axis, end, values }| {
+                let mut sums = sums;
+                self.each_of_side(*axis, *end, |place, area| {
+                    let inward = f64::from(values[*axis][place]) * [1.0, -1.0][*end] * area;
+                    sums[usize::from(inward < 0.0)] += inward.abs();
+                });
+                sums
             });
-            sums
-        });
         let [into, out] = passing;
         if (into - out).abs() > SAMPLING * into.max(out) {
             let area_m2 = f64::from(self.grid.spacing_m).powi(2);
             let what = "net inflow in m^3/s without an outflow";
             return Err(Refused { what, value: (into - out) * area_m2 });
         }
-        for (axis, end, values) in sampled.iter_mut().filter(|_| out > 0.0) {
+        for Sampled { axis, end, values } in sampled.iter_mut().filter(|_| out > 0.0) {
             for value in &mut values[*axis] {
                 if (*value > 0.0) == (*end == 1) {
                     *value *= (into / out) as f32;

@@ -107,6 +107,8 @@ pub struct Flow {
     is_driven: bool,
     /// Largest speed that a side imposes.
     side_speed_m_s: f64,
+    /// Room for velocities of sides; empty until they differ from place to place.
+    sampled_sides: Vec<inlets::Sampled>,
     density_kg_m3: f64,
     viscosity_m2_s: f64,
     gravity_m_s2: DVec3,
@@ -179,6 +181,7 @@ impl Flow {
             obstacles: None,
             is_driven: setup.sides.drive(),
             side_speed_m_s: setup.sides.largest_speed_m_s(),
+            sampled_sides: Vec::new(),
             density_kg_m3,
             viscosity_m2_s,
             gravity_m_s2: sound_gravity(setup.gravity_m_s2)?,
