@@ -6,4 +6,4 @@ mod product;
 mod transform;
 
 pub use product::{Rows, multiply};
-pub use transform::Transform;
+pub use transform::{Part, Transform};

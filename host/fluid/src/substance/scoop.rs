@@ -13,18 +13,12 @@ impl Substances {
         let at = self.index_at(point_in_world_m);
         let share = (volume_m3 / cell_m3).clamp(0.0, 1.0) as f32;
         for found in &mut self.all {
-            let Some(at) = at.filter(|_| found.highest > 0.0) else {
-                content_m3.push(0.0);
-                continue;
-            };
-            let before = found.cells.fraction[at];
-            let after = before * (1.0 - share);
-            found.cells.fraction[at] = after;
-            let taken = f64::from(before) - f64::from(after);
-            found.drained_cells += taken;
-            found.held_cells -= taken;
+            let at = at.filter(|_| found.highest > 0.0);
+            let taken = at.map_or(0.0, |at| found.draw_off(at, share));
+            if taken > 0.0 {
+                self.stamp = next_stamp();
+            }
             content_m3.push(taken * cell_m3);
-            self.stamp = next_stamp();
         }
     }
 

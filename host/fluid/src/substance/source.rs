@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Substances, mixture::next_stamp};
+use super::{Substance, Substances, mixture::next_stamp};
 use crate::{
     grid::Grid,
     solver::{Refused, within},
@@ -41,6 +41,19 @@ impl Mouth {
         let from_centre = (point_in_world_m - self.centre_in_world_m) / self.radius_m;
         let inside = f64::from(1.0 - from_centre.length_squared()).max(0.0);
         -(-self.amount * inside * inside).exp_m1() as f32
+    }
+}
+
+impl Substance {
+    /// Takes a share of what a cell holds away, and returns it in cells.
+    pub(super) fn draw_off(&mut self, at: usize, share: f32) -> f64 {
+        let before = self.cells.fraction[at];
+        let after = before * (1.0 - share);
+        self.cells.fraction[at] = after;
+        let drawn = f64::from(before) - f64::from(after);
+        self.drained_cells += drawn;
+        self.held_cells -= drawn;
+        drawn
     }
 }
 
@@ -110,12 +123,7 @@ impl Substances {
             let share = mouth.share_at(self.grid.centre_in_world_m(i, j, k));
             let at = self.layout.index(i, j, k);
             for found in &mut self.all {
-                let before = found.cells.fraction[at];
-                let after = before * (1.0 - share);
-                found.cells.fraction[at] = after;
-                let drained = f64::from(before) - f64::from(after);
-                found.drained_cells += drained;
-                found.held_cells -= drained;
+                found.draw_off(at, share);
             }
         }
         Ok(())

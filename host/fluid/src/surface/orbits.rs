@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::{Lattice, Model};
 use crate::grid::Grid;
 
-/// Layers of cells that are kept: as many as a field around the probe has, and one on each side.
+/// Layers of cells that are kept, but for those above the surface and below the floor: as many as a
+/// field around the probe has, and two on each side.
 const LAYERS: usize = 12;
 
 /// A few layers of the potential flow below the surface.
@@ -15,7 +16,9 @@ pub struct Orbits {
     layer_m: f32,
     /// The layer at the bottom.
     deepest: usize,
-    /// By layer: potential and vertical speed at the nodes of the lattice.
+    /// Layers that are kept.
+    count: usize,
+    /// By layer: potential and vertical speed at the nodes of the lattice. Room is used again.
     layers: Vec<[Vec<f32>; 2]>,
 }
 
@@ -23,7 +26,7 @@ impl Orbits {
     /// Nothing moves, over layers of the cells of a grid.
     pub fn new(grid: &Grid) -> Self {
         let [_, deepest, _] = grid.cells;
-        Self { first: None, layer_m: grid.spacing_m, deepest, layers: Vec::new() }
+        Self { first: None, layer_m: grid.spacing_m, deepest, count: 0, layers: Vec::new() }
     }
 
     /// Forgets what is kept: nothing moves.
@@ -35,8 +38,11 @@ impl Orbits {
     pub fn find(&mut self, model: &mut dyn Model, nodes: usize, depth_m: f32) {
         let middle = ((depth_m / self.layer_m).max(0.0) as usize).min(self.deepest);
         let first = middle.saturating_sub(LAYERS / 2);
-        self.layers.resize_with(LAYERS, || [(); 2].map(|()| vec![0.0; nodes]));
-        let mut layers = self.layers.iter_mut().enumerate();
+        self.count = (middle + LAYERS / 2).min(self.deepest) + 1 - first;
+        if self.layers.len() < self.count {
+            self.layers.resize_with(self.count, || [(); 2].map(|()| vec![0.0; nodes]));
+        }
+        let mut layers = self.layers[..self.count].iter_mut().enumerate();
         let found = layers.all(|(n, [phi, rising])| model.orbit(first + n, phi, rising));
         self.first = found.then_some(first);
     }
@@ -45,8 +51,9 @@ impl Orbits {
     pub fn at(&self, lattice: &Lattice, at_in_world_m: Vec3) -> Vec3 {
         let Some(first) = self.first else { return Vec3::ZERO };
         let depth_m = lattice.origin_in_world_m.y - at_in_world_m.y;
-        let place = (depth_m / self.layer_m - first as f32).max(0.0).min((LAYERS - 1) as f32);
-        let below = (place as usize).min(LAYERS - 2);
+        let last = self.count - 1;
+        let place = (depth_m / self.layer_m - first as f32).max(0.0).min(last as f32);
+        let below = (place as usize).min(last - 1);
         let share = place - below as f32;
         let [upper, lower] = [below, below + 1].map(|n| self.in_layer(n, lattice, at_in_world_m));
         upper.lerp(lower, share)

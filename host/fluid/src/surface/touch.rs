@@ -120,13 +120,16 @@ impl Acting {
     /// Presses by the pressure at each place, instead of what pressed. True if there is any.
     pub fn press(&mut self, lattice: &Lattice, pressure_pa: impl Fn(Vec3) -> f32) -> bool {
         self.force_n.resize(lattice.len(), 0.0);
-        let node_m2 = lattice.node_m2();
         self.is_pressed = false;
-        for (node, force_n) in self.force_n.iter_mut().enumerate() {
-            let at = lattice.in_world_m(node);
-            let wanted = if lattice.wet[node] { node_m2 * pressure_pa(at) } else { 0.0 };
-            *force_n = if wanted.is_finite() { wanted } else { 0.0 };
-            self.is_pressed |= *force_n != 0.0;
+        let Lattice { nodes: [nx, _], spacing_m, origin_in_world_m: first, .. } = *lattice;
+        let rows = self.force_n.chunks_exact_mut(nx).zip(lattice.wet.chunks_exact(nx));
+        for (k, (forces_n, wet)) in rows.enumerate() {
+            for (i, (force_n, wet)) in forces_n.iter_mut().zip(wet).enumerate() {
+                let at = first + spacing_m * Vec3::new(i as f32, 0.0, k as f32);
+                let wanted = if *wet { lattice.node_m2() * pressure_pa(at) } else { 0.0 };
+                *force_n = if wanted.is_finite() { wanted } else { 0.0 };
+                self.is_pressed |= *force_n != 0.0;
+            }
         }
         self.is_pressed
     }

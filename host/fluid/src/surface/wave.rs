@@ -208,13 +208,14 @@ impl Model for Waves {
     }
 
     fn orbit(&mut self, layer: usize, potential: &mut [f32], rising_m_s: &mut [f32]) -> bool {
+        let reach_per_m = self.orbits.reach_per_m(layer);
         let shares = self.orbits.layer(layer, &self.modes);
         self.under.resize(self.modes.len(), 0.0);
         for (shares, nodal) in shares.iter().zip([potential, rising_m_s]) {
             for ((to, share), speed) in self.under.iter_mut().zip(shares).zip(&self.speed) {
                 *to = share * speed;
             }
-            self.basis.synthesise([&self.under], [nodal]);
+            self.basis.synthesise_long([&self.under], [nodal], reach_per_m);
         }
         true
     }

@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// Length of the steps, two to a cycle of the fluid's own at 100 Hz.
-const DT_S: f64 = 5e-3;
+pub const DT_S: f64 = 5e-3;
 
 /// Nodes that are computed to be timed once.
 const NODES: usize = 1 << 20;
@@ -31,17 +31,14 @@ const NODES: usize = 1 << 20;
 const ASKED: [usize; 2] = [128, 256];
 
 /// What is done to a surface before a step.
-type State = (&'static str, fn(&mut Surface));
+pub type State = (&'static str, fn(&mut Surface));
+
+/// The probe of 12 mm presses and damps.
+pub const TOUCHED: State =
+    ("touched", |surface| surface.touch(Vec3::new(0.13, 0.08, 0.17), 12e-3, -0.05, 1.0));
 
 /// All that steps are timed in.
-const STATES: [State; 3] = [
-    ("untouched", |_| ()),
-    ("touched", |surface| {
-        // The probe of 12 mm, which presses and damps.
-        surface.touch(Vec3::new(0.13, 0.08, 0.17), 12e-3, -0.05, 1.0);
-    }),
-    ("asleep", |_| ()),
-];
+const STATES: [State; 3] = [("untouched", |_| ()), TOUCHED, ("asleep", |_| ())];
 
 /// Runs it.
 pub fn run(session: &mut Session<'_>) -> Result<(), SetupError> {
@@ -113,7 +110,7 @@ fn race(n: usize, state: usize, session: &Session<'_>) -> Result<[[Vec<f64>; 2];
 }
 
 /// Gentle waves of all directions, so that no number is 0.
-fn stir(surface: &mut Surface) {
+pub fn stir(surface: &mut Surface) {
     let edge_m = EDGE_M as f32;
     surface.set(|x, z| 1e-3 * ((9.0 * x).sin() + (x * z / edge_m * 70.0).cos()), |_, _| 0.0);
 }

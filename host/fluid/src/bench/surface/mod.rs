@@ -5,6 +5,7 @@
 //! at the same n, one after the other, several times over; medians count. Times are CPU times of
 //! steps alone.
 
+mod beside;
 mod cost;
 mod law;
 mod order;
@@ -43,7 +44,7 @@ pub const SURFACE: Group = Group {
 
 /// Names of all cases.
 pub const NAMES: &[&str] =
-    &["frequency", "decay", "order", "volume", "step", "splash", "poke", "poke-water"];
+    &["frequency", "decay", "order", "volume", "step", "beside", "splash", "poke", "poke-water"];
 
 const fn target(
     case: &'static str,
@@ -128,6 +129,7 @@ pub fn run(options: &Options, progress: &mut dyn FnMut(&str)) -> Result<Vec<Row>
     order::run(&mut session)?;
     volume::run(&mut session)?;
     cost::run(&mut session)?;
+    beside::run(&mut session)?;
     poke::run(&mut session)?;
     Ok(session.rows)
 }

@@ -103,6 +103,15 @@ fn every_target_is_for_a_case_that_runs_and_a_step_too_long_is_missed() {
 }
 
 #[test]
+fn all_that_a_pot_asks_of_its_surface_is_timed() {
+    let rows = small("beside");
+    let of: Vec<_> = rows.iter().map(|row| row.params["of"].clone()).collect();
+    let all = ["press", "drift", "drift-left-out", "ahead", "below", "asleep", "below-anew"];
+    assert_eq!(of, all.map(Param::from));
+    assert!(rows.iter().all(|row| row.value >= 0.0 && row.n == Some(64)), "{rows:?}");
+}
+
+#[test]
 fn looking_for_drops_is_timed_while_nothing_breaks() {
     for model in [WAVE, FOUNDING] {
         let share = cost::splash(model, 1, SimdClass::detect()).expect("a box");

@@ -86,10 +86,20 @@ impl Basis {
 
     /// Of each array of modes the sum of all at each node.
     pub fn synthesise<const N: usize>(&mut self, modes: [&[f32]; N], nodal: [&mut [f32]; N]) {
+        self.synthesise_long(modes, nodal, f64::INFINITY);
+    }
+
+    /// The same of modes that are 0 above a wavenumber.
+    pub fn synthesise_long<const N: usize>(
+        &mut self,
+        modes: [&[f32]; N],
+        nodal: [&mut [f32]; N],
+        reach_per_m: f64,
+    ) {
         match self {
             Self::Box(cosines) => {
                 let pairs = modes.into_iter().zip(nodal);
-                pairs.for_each(|(modes, nodal)| cosines.synthesise(modes, nodal));
+                pairs.for_each(|(modes, nodal)| cosines.synthesise(modes, nodal, reach_per_m));
             }
             Self::Round(table) => table.synthesise(modes, nodal),
         }

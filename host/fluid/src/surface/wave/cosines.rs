@@ -1,12 +1,12 @@
 //! The modes of a box: products of cosines with a crest or a trough at each wall.
 
-use std::ops::Range;
+use std::{f64::consts::PI, ops::Range};
 
 use super::{Lattice, Mode};
 use crate::{
     simd::SimdClass,
     spectral::{
-        Rows, Transform,
+        Part, Rows, Transform,
         basis::{End, Ends},
         multiply,
     },
@@ -140,22 +140,39 @@ impl Cosines {
         );
     }
 
-    /// The sum of all modes at each node.
-    pub fn synthesise(&mut self, modes: &[f32], nodal: &mut [f32]) {
+    /// The sum at each node of the modes whose wavenumbers along x and z are up to `reach_per_m`;
+    /// of others too, which are to be 0.
+    pub fn synthesise(&mut self, modes: &[f32], nodal: &mut [f32], reach_per_m: f64) {
         let Self { nodes: [nx, nz], x, z, folded, rows, .. } = self;
         let per_m = 1.0 / self.spacing_m;
+        // As in `modes`. The modes of a part go up.
+        let angle = (reach_per_m * f64::from(self.spacing_m)).min(PI);
+        let is_whole = angle == PI;
+        let highest = 4.0 * (0.5 * angle).sin().powi(2);
+        let count = |axis: &Transform, part: &Part| {
+            let modes = &axis.eigenvalues[part.start..][..part.count];
+            if is_whole { part.count } else { modes.partition_point(|e| *e <= highest).max(1) }
+        };
         self.simd.vectorize_as(
             #[inline(always)]
             |class| {
                 for part in &z.parts {
-                    let b = &modes[part.start * x.len..];
-                    let size = [part.count, part.count, x.len];
-                    let (a, b) = (Rows(&part.by_value, part.padded), Rows(b, x.len));
-                    multiply(class, size, a, b, &mut rows[part.from * x.len..], x.len);
+                    let size = [part.count, count(z, part)];
+                    for n in 0..if is_whole { 1 } else { x.parts.len() } {
+                        let (from, columns) = if is_whole {
+                            (0, x.len)
+                        } else {
+                            (x.parts[n].start, count(x, &x.parts[n]).next_multiple_of(PAD))
+                        };
+                        let b = Rows(&modes[part.start * x.len + from..], x.len);
+                        let a = Rows(&part.by_value, part.padded);
+                        let to = &mut rows[part.from * x.len + from..];
+                        multiply(class, [size[0], size[1], columns], a, b, to, x.len);
+                    }
                 }
                 for part in &x.parts {
                     let (a, b) = (&rows[part.start..], &part.by_mode);
-                    let size = [*nz, part.count, part.padded];
+                    let size = [*nz, count(x, part), part.padded];
                     let (a, b) = (Rows(a, x.len), Rows(b, part.padded));
                     multiply(class, size, a, b, &mut folded[part.from..], x.len);
                 }
@@ -204,10 +221,32 @@ mod tests {
                 assert!((all - some).abs() < 2e-5, "{cells:?}: {all} {some}");
             }
             let mut again = vec![0.0; lattice.len()];
-            cosines.synthesise(&all, &mut again);
+            cosines.synthesise(&all, &mut again, f64::INFINITY);
             cosines.weigh(&again.clone(), &mut again);
             for (value, again) in nodal.iter().zip(&again) {
                 assert!((value - again).abs() < 1e-5, "{cells:?}: {value} {again}");
+            }
+        }
+    }
+
+    #[test]
+    fn long_waves_need_no_look_at_short_ones() {
+        for cells in [[64, 4, 48], [33, 4, 7], [256, 4, 32], [2, 4, 1]] {
+            let lattice = Lattice::over(&Grid { cells, ..Grid::unit_cube(4) }, &Vessel::Box, 1);
+            let mut cosines = Cosines::new(&lattice, SimdClass::detect());
+            for reach_per_m in [0.0, 1.0, 5.0, 17.0, 60.0] {
+                let mut n = 0.0_f32;
+                let modes: Vec<f32> = cosines
+                    .modes(1.0)
+                    .map(|mode| {
+                        n += 1.0;
+                        if mode.wavenumber_per_m <= reach_per_m { n.sin() } else { 0.0 }
+                    })
+                    .collect();
+                let [mut all, mut long] = [(); 2].map(|()| vec![9.0; lattice.len()]);
+                cosines.synthesise(&modes, &mut all, f64::INFINITY);
+                cosines.synthesise(&modes, &mut long, reach_per_m);
+                assert_eq!(all, long, "{cells:?} {reach_per_m}");
             }
         }
     }

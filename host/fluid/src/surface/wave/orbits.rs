@@ -8,6 +8,10 @@
 
 use super::Mode;
 
+/// What has fallen by e as often is nothing, in f32, beside what it was at the surface; and products
+/// of what is less and less would be very slow.
+const DEAD: f64 = 17.0;
+
 /// Shares of a mode's vertical speed that are potential and vertical speed of one layer.
 type Layer = [Vec<f32>; 2];
 
@@ -40,23 +44,27 @@ impl Orbits {
             let [mut potential, mut rising] = [(); 2].map(|()| Vec::with_capacity(modes.len()));
             for mode in modes {
                 let [phi, v] = shares(mode, at_m, *depth_m);
-                // What has died away is nothing: products of subnormal numbers are very slow.
-                let there = |share: f64| if share.abs() < 1e-12 { 0.0 } else { share as f32 };
-                potential.push(there(phi));
-                rising.push(there(v));
+                potential.push(phi as f32);
+                rising.push(v as f32);
             }
             [potential, rising]
         })
     }
+
+    /// What is shorter does not reach down to a layer.
+    pub fn reach_per_m(&self, layer: usize) -> f64 {
+        DEAD / (layer as f64 * self.layer_m).min(self.depth_m)
+    }
 }
 
 fn shares(mode: &Mode, at_m: f64, depth_m: f64) -> [f64; 2] {
-    if mode.lambda_per_m <= 0.0 {
+    let k = mode.wavenumber_below_per_m;
+    if mode.lambda_per_m <= 0.0 || k * at_m > DEAD {
         return [0.0; 2];
     }
-    let k = mode.wavenumber_below_per_m;
-    let [down, up] = [(-k * at_m).exp(), (-k * (2.0 * depth_m - at_m)).exp()];
-    let whole = (-2.0 * k * depth_m).exp();
+    let left = |down: f64| if down > DEAD { 0.0 } else { (-down).exp() };
+    let [down, up] = [left(k * at_m), left(k * (2.0 * depth_m - at_m))];
+    let whole = left(2.0 * k * depth_m);
     [(down + up) / (1.0 + whole) / mode.lambda_per_m, (down - up) / (1.0 - whole)]
 }
 
