@@ -10,6 +10,7 @@ mod drift;
 mod lattice;
 mod model;
 mod orbits;
+mod own;
 mod params;
 mod round;
 mod spring;
@@ -26,7 +27,7 @@ pub use touch::{Act, Answer, Touch};
 
 use glam::Vec3;
 
-use self::{orbits::Orbits, tear::Change};
+use self::{orbits::Orbits, own::Own, tear::Change};
 use crate::{simd::SimdClass, snapshot::SurfaceView, solver::SetupError};
 
 /// Heights below this, and speeds of as many metres a second, are rest.
@@ -47,6 +48,15 @@ pub struct SurfaceReport {
     pub guard_actions: u32,
 }
 
+/// What acted in the last step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Last {
+    dt_s: f32,
+    touching: usize,
+    leans: bool,
+    is_pressed: bool,
+}
+
 /// The surface.
 pub struct Surface {
     params: SurfaceParams,
@@ -60,8 +70,10 @@ pub struct Surface {
     /// What presses from below in the next step; empty until something does.
     force_n: Vec<f32>,
     is_pressed: bool,
-    /// Of the last step: its length, and how much of `touches` and whether `force_n` acted.
-    last: (f32, usize, bool),
+    /// What the probe's own push makes of it; the first of `touches` while it leans on it.
+    own: Own,
+    leans: bool,
+    last: Last,
     /// Height of the whole above rest, by what left and fell in.
     level_m: f64,
     /// Fastest speed and highest height, as magnitudes.
@@ -71,6 +83,8 @@ pub struct Surface {
     fading: Fading,
     /// Heights and speeds of the moment that was looked ahead to; empty before.
     then: [Vec<f32>; 2],
+    /// State of the model while it looks ahead.
+    kept: [Vec<f32>; 2],
     orbits: Orbits,
     layer_m: f32,
     simd: SimdClass,
@@ -95,13 +109,16 @@ impl Surface {
             touching: 0,
             force_n: Vec::new(),
             is_pressed: false,
-            last: (0.0, 0, false),
+            own: Own::default(),
+            leans: false,
+            last: Last::default(),
             level_m: 0.0,
             extremes: [0.0; 2],
             change: Change::default(),
             under: Vec::new(),
             fading: Fading::default(),
             then: [Vec::new(), Vec::new()],
+            kept: [Vec::new(), Vec::new()],
             orbits: Orbits::default(),
             layer_m: basin.grid.spacing_m,
             simd: basin.simd,
@@ -127,9 +144,9 @@ impl Surface {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let arrays = [&self.height_m, &self.speed_m_s, &self.force_n];
-        let then = self.then.iter().map(Vec::len).sum::<usize>();
-        let nodes = (arrays.iter().map(|a| a.len()).sum::<usize>() + then) * size_of::<f32>();
-        nodes + self.lattice.len() + self.model.bytes()
+        let ahead = self.then.iter().chain(&self.kept).map(Vec::len).sum::<usize>();
+        let nodes = (arrays.iter().map(|a| a.len()).sum::<usize>() + ahead) * size_of::<f32>();
+        nodes + self.lattice.len() + self.model.bytes() + self.own.bytes()
     }
 
     /// True while nothing moves, and a step costs nothing.
@@ -171,6 +188,7 @@ impl Surface {
             self.height_m[node] = known(height_m(at.x, at.z));
             self.speed_m_s[node] = known(speed_m_s(at.x, at.z));
         }
+        self.own.forget();
         self.model.scale(0.0);
         self.model.add(&self.height_m, &self.speed_m_s);
         self.asleep = false;
@@ -184,6 +202,18 @@ impl Surface {
         let idle = force_n == 0.0 && self.asleep;
         if !idle && (force_n + damping_n_s_per_m).is_finite() {
             self.put(at_m, radius_m, Touch { force_n, damping_n_s_per_m, ..Touch::default() });
+        }
+    }
+
+    /// What the hand's probe does: as [`Surface::touch`], but what its push makes of the surface
+    /// is left out of what [`Surface::ahead`] tells, for as long as it leans on it in every step,
+    /// be it by a force of 0: the spring that the hand feels is the whole dent already.
+    pub fn lean(&mut self, at_m: Vec3, radius_m: f32, force_n: f32, damping_n_s_per_m: f32) {
+        let touching = self.touching;
+        self.touch(at_m, radius_m, force_n, damping_n_s_per_m);
+        if self.touching > touching {
+            self.touches.swap(0, touching);
+            self.leans = true;
         }
     }
 
@@ -233,13 +263,16 @@ impl Surface {
         if self.asleep {
             return SurfaceReport::default();
         }
-        let load = Load {
-            touches: &self.touches[..self.touching],
-            force_n: self.is_pressed.then_some(&*self.force_n),
-        };
+        let touches = &self.touches[..self.touching];
+        match touches.first().filter(|_| self.leans) {
+            Some(push) => self.own.step(&mut *self.model, push, dt_s),
+            None => self.own.forget(),
+        }
+        let load = Load { touches, force_n: self.is_pressed.then_some(&*self.force_n) };
         let substeps = self.model.step(dt_s, load);
-        self.last = (dt_s, self.touching, self.is_pressed);
-        (self.touching, self.is_pressed) = (0, false);
+        let Self { touching, leans, is_pressed, .. } = *self;
+        self.last = Last { dt_s, touching, leans, is_pressed };
+        (self.touching, self.leans, self.is_pressed) = (0, false, false);
         SurfaceReport { substeps, guard_actions: self.look() }
     }
 
@@ -253,6 +286,7 @@ impl Surface {
             most if most < REST => (true, 0),
             ..=MOST => (false, 0),
             most if most.is_finite() => {
+                self.own.forget();
                 self.model.scale(0.5 * MOST / most);
                 self.model.read(&mut self.height_m, &mut self.speed_m_s);
                 (false, 1)
@@ -260,6 +294,7 @@ impl Surface {
             _ => (true, 1),
         };
         if rest {
+            self.own.forget();
             self.model.scale(0.0);
             self.height_m.fill(0.0);
             self.speed_m_s.fill(0.0);
@@ -296,15 +331,20 @@ impl Surface {
 
     /// Looks ahead: what [`Surface::ahead`] tells is of the moment `ahead_s` from now, if what
     /// acted in the last step goes on acting until then, and what is sudden does not come again.
+    /// What a probe that leans on the surface made of it is left out.
     pub fn look_ahead(&mut self, ahead_s: f32) {
-        let (dt_s, touching, is_pressed) = self.last;
+        let Last { dt_s, touching, leans, is_pressed } = self.last;
         if self.asleep || dt_s <= 0.0 || !(ahead_s > 0.0 && ahead_s.is_finite()) {
             self.then.iter_mut().for_each(Vec::clear);
             return;
         }
         let steps = (ahead_s / dt_s).ceil().min(MOST_STEPS_AHEAD);
         self.touches.iter_mut().for_each(|touch| touch.kick_j = 0.0);
-        self.model.keep();
+        self.kept.iter_mut().zip(self.model.state()).for_each(|(to, now)| to.clone_from(now));
+        self.own.take_from(&mut *self.model);
+        if leans {
+            self.touches[0].force_n = 0.0;
+        }
         for _ in 0..steps as u32 {
             let touches = &self.touches[..touching];
             let load = Load { touches, force_n: is_pressed.then_some(&*self.force_n) };
@@ -314,7 +354,7 @@ impl Surface {
         height_m.resize(self.lattice.len(), 0.0);
         speed_m_s.resize(self.lattice.len(), 0.0);
         self.model.read(height_m, speed_m_s);
-        self.model.go_back();
+        self.model.state().into_iter().zip(&self.kept).for_each(|(to, kept)| to.clone_from(kept));
     }
 
     /// As [`Surface::at`], of the moment that was looked ahead to last.

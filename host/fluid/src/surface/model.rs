@@ -38,11 +38,9 @@ pub trait Model: Send {
     /// Writes heights above rest in metres and vertical speeds in m/s, both without a mean.
     fn read(&mut self, height_m: &mut [f32], speed_m_s: &mut [f32]);
 
-    /// Keeps heights and speeds for [`Model::go_back`].
-    fn keep(&mut self);
-
-    /// Goes back to the heights and speeds that were kept last.
-    fn go_back(&mut self);
+    /// Heights and speeds in the model's own terms. They move linearly: what acts on a sum of two
+    /// may act on one of them, and their sum is the same.
+    fn state(&mut self) -> [&mut Vec<f32>; 2];
 
     /// Writes the potential in m^2/s of what moves below along with the surface, and its vertical
     /// speed, in a layer of cells counted from the surface. False for a model that has no below.
@@ -66,7 +64,11 @@ pub trait Model: Send {
     fn strike(&mut self, impulse_n_s: &[f32], times: f32);
 
     /// Multiplies heights and speeds, by 0 to be at rest.
-    fn scale(&mut self, factor: f32);
+    fn scale(&mut self, factor: f32) {
+        // What is no number is to be 0 where all is.
+        let scaled = |v: &mut f32| *v = if factor == 0.0 { 0.0 } else { *v * factor };
+        self.state().into_iter().flatten().for_each(scaled);
+    }
 
     /// Energy in joules: of motion, of height, and of tension.
     fn energy_j(&self) -> f64;
