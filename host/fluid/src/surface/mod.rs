@@ -20,7 +20,7 @@ mod wave;
 
 pub use drift::Fading;
 pub use lattice::Lattice;
-pub use model::{Basin, INDEX, Load, Make, Model, ModelRow, find, fits};
+pub use model::{AUTO, Basin, INDEX, Load, Make, Model, ModelRow, choose, names};
 pub use params::SurfaceParams;
 pub use tear::Torn;
 pub use touch::{Act, Answer, Touch};
@@ -97,8 +97,8 @@ impl Surface {
     /// # Errors
     /// [`SetupError`] if there is no such model, or it knows nothing of such a vessel.
     pub fn new(params: SurfaceParams, basin: &Basin<'_>) -> Result<Self, SetupError> {
-        let row = find(params.model)
-            .ok_or(SetupError::Unsupported("surface.model: there is no such model"))?;
+        let row = choose(params.model, basin.vessel, basin.grid)?;
+        let params = SurfaceParams { model: row.name, ..params };
         let lattice = Lattice::over(basin.grid, basin.vessel, params.nodes_per_cell.max(1));
         let zeros = || vec![0.0; lattice.len()];
         Ok(Self {
@@ -128,7 +128,7 @@ impl Surface {
         })
     }
 
-    /// What the surface is made of.
+    /// What the surface is made of, and the model that was taken.
     #[must_use]
     pub fn params(&self) -> &SurfaceParams {
         &self.params

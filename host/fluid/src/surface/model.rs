@@ -1,6 +1,6 @@
 //! What moves a surface: the trait of all models, and their index.
 
-use super::{Fading, Lattice, SurfaceParams, Touch, round, spring, wave};
+use super::{Fading, Lattice, SurfaceParams, Touch, spring, wave};
 use crate::{grid::Grid, simd::SimdClass, solver::SetupError, vessel::Vessel};
 
 /// What a surface lies on.
@@ -84,6 +84,8 @@ pub struct ModelRow {
     pub name: &'static str,
     /// What it is.
     pub about: &'static str,
+    /// Says whether it knows of a vessel in the box of a grid; [`SetupError`] if it does not.
+    pub fits: fn(&Vessel, &Grid) -> Result<(), SetupError>,
     /// Makes it.
     pub make: Make,
 }
@@ -91,22 +93,28 @@ pub struct ModelRow {
 /// Makes a model at rest; [`SetupError`] if it knows nothing of such a vessel.
 pub type Make = fn(&SurfaceParams, &Lattice, &Basin<'_>) -> Result<Box<dyn Model>, SetupError>;
 
-/// Every model.
+/// Every model, the best first.
 pub const INDEX: &[ModelRow] = &[wave::ROW, spring::ROW];
 
-/// The row of that name.
-#[must_use]
-pub fn find(name: &str) -> Option<&'static ModelRow> {
-    INDEX.iter().find(|row| row.name == name)
+/// Stands for the best model that knows of the vessel.
+pub const AUTO: &str = "auto";
+
+/// What a model may be called.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    std::iter::once(AUTO).chain(INDEX.iter().map(|row| row.name))
 }
 
-/// Whether a model knows of a vessel in the box of a grid.
+/// The model of a name for a vessel in the box of a grid.
 ///
 /// # Errors
-/// [`SetupError`] if it does not.
-pub fn fits(model: &str, vessel: &Vessel, grid: &Grid) -> Result<(), SetupError> {
-    if model == wave::ROW.name && *vessel != Vessel::Box {
-        round::Profile::of_vessel(vessel, grid)?;
+/// [`SetupError`] if there is no such model, or it does not know of such a vessel.
+pub fn choose(name: &str, vessel: &Vessel, grid: &Grid) -> Result<&'static ModelRow, SetupError> {
+    let mut refusal = SetupError::Unsupported("surface.model: there is no such model");
+    for row in INDEX.iter().filter(|row| name == AUTO || name == row.name) {
+        match (row.fits)(vessel, grid) {
+            Ok(()) => return Ok(row),
+            Err(why) => refusal = why,
+        }
     }
-    Ok(())
+    Err(refusal)
 }

@@ -26,6 +26,7 @@ use crate::{simd::SimdClass, solver::SetupError};
 pub(super) const ROW: ModelRow = ModelRow {
     name: "spring",
     about: "masses and springs, RK4 (Mora 2008)",
+    fits: |_, _| Ok(()),
     make: |params, lattice, basin| Ok(Box::new(SpringSheet::new(params, lattice, basin)?)),
 };
 

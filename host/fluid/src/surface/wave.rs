@@ -25,6 +25,7 @@ use crate::{simd::SimdClass, solver::SetupError};
 pub(super) const ROW: ModelRow = ModelRow {
     name: "wave",
     about: "linear waves of gravity and tension, exact in time",
+    fits: basis::fits,
     make: |params, lattice, basin| Ok(Box::new(Waves::new(params, lattice, basin)?)),
 };
 
