@@ -226,6 +226,7 @@ fn ten_seconds_of_the_cauldron_keep_their_promises() {
     assert!(number("divergence_max") < 1e-2 && number("fluid_ke_max") > 1e-4);
     assert!(number("cpu_s") > 0.0 && number("wall_s") > 0.0);
     assert_eq!(number("guard_actions"), 0.0);
+    assert_eq!(json["surface"], "wave");
     figures_follow_from_the_trace(&scratch.0.join("o/run.csv"), &number);
     let saved = fs::read_to_string(scratch.0.join("o/run.json")).unwrap();
     assert_eq!(serde_json::from_str::<Value>(&saved).unwrap(), json);

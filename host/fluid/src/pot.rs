@@ -39,9 +39,10 @@ pub struct Totals {
     pub released_j: f64,
 }
 
-/// A probe that cuts the surface damps it by its contact stiffness times this: more than the
-/// time in which the hand's push comes back as a field, or the two would swing each other up.
-const CONTACT_DAMPING_S: f32 = 0.06;
+/// A probe that cuts the surface damps it by its contact stiffness times this: what it gives to
+/// the liquid presses on the surface too, and comes back to a ball that floats some 30 ms later. A
+/// fourth of it keeps such a ball from swinging; without any it swings up.
+const PROBE_DAMPING_S: f32 = 0.02;
 
 /// What waves change the liquid by in a step is left out below this: it rests at ten times that.
 const LEAST_DRIFT_M_S: f32 = 1e-7;
@@ -240,12 +241,12 @@ impl Pot {
             self.totals.refused += u64::from(given.is_err());
         }
         if let Some(surface) = &mut self.surface {
-            let depth_m = surface.rest_height_in_world_m() + surface.at(at).0 - at.y;
-            let cuts = depth_m.abs() < self.probe_radius_m;
-            let stiffness = surface.params().contact_stiffness_n_per_m;
-            let damping = if cuts { CONTACT_DAMPING_S * stiffness } else { 0.0 };
-            let push_n = (to_surface_n_s / f64::from(dt_s)) as f32;
-            surface.touch(at, self.probe_radius_m, push_n, damping);
+            let depth_m = surface.rest_height_in_world_m() + surface.ahead(at).0 - at.y;
+            if to_surface_n_s != 0.0 || depth_m.abs() < self.probe_radius_m {
+                let push_n = (to_surface_n_s / f64::from(dt_s)) as f32;
+                let damping = PROBE_DAMPING_S * surface.params().contact_stiffness_n_per_m;
+                surface.lean(at, self.probe_radius_m, push_n, damping);
+            }
         }
     }
 

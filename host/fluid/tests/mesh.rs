@@ -4,7 +4,7 @@
 use std::{fs, path::PathBuf};
 
 use cauldron_fluid::{
-    Grid, Vessel, scenes,
+    Grid, Vessel, scenes, surface,
     vessel::{Mesh, MeshError, MeshFault, MeshOf, cut::Cut},
 };
 use glam::Vec3;
@@ -287,6 +287,23 @@ fn a_scene_file_names_shapes_and_meshes() {
     assert!(matches!(deep.vessel, Vessel::Bowl { radius_m, .. } if radius_m == 0.09));
     let tube = read("shape = \"cylinder\"\naxis = [0.0, 1.0, 0.2]").unwrap();
     assert!(matches!(tube.vessel, Vessel::Cylinder { radius_m, .. } if radius_m == 0.09));
+    for (keys, known) in [
+        ("shape = \"pot\"", "wave"),
+        ("shape = \"cylinder\"", "wave"),
+        ("shape = \"cylinder\"\naxis = [0.0, 1.0, 0.2]", "spring"),
+        ("mesh = \"pot.obj\"\ninside_m = [0.0, -0.05, 0.0]", "spring"),
+    ] {
+        let choose = |name: &str| {
+            let scene = read(&format!("{keys}\n[surface]\nmodel = \"{name}\""));
+            let chosen = scene.map(|s| surface::choose(name, &s.vessel, &s.grid).map(|r| r.name));
+            chosen.map_err(|e| e.to_string())
+        };
+        assert!(matches!(choose("auto"), Ok(Ok(name)) if name == known), "{keys}");
+        assert!(matches!(choose("spring"), Ok(Ok("spring"))), "{keys}");
+        let refused = choose("wave").err();
+        let is_named = refused.as_ref().is_some_and(|why| why.contains("surface.model = wave"));
+        assert_eq!(is_named, known == "spring", "{keys}: {refused:?}");
+    }
     for (keys, line, words) in [
         ("shape = \"bowl\"", 3, "must reach up to the rest surface"),
         ("shape = \"urn\"", 3, "vessel.shape = \"urn\": must be box, pot, bowl or cylinder"),

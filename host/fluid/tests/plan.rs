@@ -45,4 +45,6 @@ fn what_a_scene_lacks_is_off_and_takes_nothing() {
         assert!(is_on(&full, part) && !is_on(&bare, part), "{part}");
     }
     assert!(!is_on(&plan("empty"), "liquid"));
+    let surface = full.iter().find(|item| item.name == "surface").expect("it is listed");
+    assert_eq!(surface.how.as_deref(), Some("wave"), "what auto came to");
 }

@@ -34,6 +34,8 @@ pub struct Figures {
     pub grid: [usize; 3],
     /// Grids that were tried before this one was chosen; null if it was given.
     pub grid_tried: Option<Vec<Tried>>,
+    /// How the surface moves; null without one.
+    pub surface: Option<&'static str>,
     /// Seed of every draw.
     pub seed: u64,
     /// Vector width.
@@ -126,6 +128,7 @@ impl Figures {
             scene: run.scene.name.clone(),
             grid: run.scene.grid.cells,
             grid_tried: run.grid_tried.clone(),
+            surface: run.host.pot.surface().map(|surface| surface.params().model),
             seed: run.options.seed,
             simd: run.options.simd.name(),
             threads: run.options.pool.threads(),

@@ -7,7 +7,10 @@ use super::{
     Act, Feel, GRAVITY_M_S2, Liquid, Pour, Probe, Scene, SceneRow, Start, Story, Substance, Vessel,
     Walls,
 };
-use crate::{grid::Grid, surface::SurfaceParams};
+use crate::{
+    grid::Grid,
+    surface::{AUTO, SurfaceParams},
+};
 
 pub(super) const ROW: SceneRow = SceneRow {
     name: "cauldron",
@@ -65,15 +68,16 @@ const POTION: Liquid = Liquid {
     colour: Vec3::new(0.25, 0.42, 0.60),
 };
 
-/// A skin whose shortest waves still cross the pot in half a second and die within a few. It lets
-/// go of the probe at cot^2(50 deg) of the force that breaks it: as a contact angle of 100 deg
-/// would have it.
+/// The tension of glycerol, and a drag by which the slowest waves die within some two seconds. It
+/// lets go of the probe at cot^2(50 deg) of the force that breaks it: as a contact angle of
+/// 100 deg would have it. As springs, its shortest waves cross the pot in half a second.
 const SKIN: SurfaceParams = SurfaceParams {
-    model: "spring",
-    nodes_per_cell: 1,
+    model: AUTO,
+    nodes_per_cell: 2,
     areal_mass_kg_m2: 20.0,
     gravity_n_per_m3: 9810.0,
-    tension_n_per_m: 5.0,
+    tension_n_per_m: 0.063,
+    sheet_tension_n_per_m: 5.0,
     bend: 0.05,
     drag_n_s_per_m3: 60.0,
     tear_speed_m_s: 0.6,

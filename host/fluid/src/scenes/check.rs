@@ -236,6 +236,7 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     number("surface.areal_mass_kg_m2", surface.areal_mass_kg_m2, Bound::new(1e-3, 1e4))?;
     number("surface.gravity_n_per_m3", surface.gravity_n_per_m3, STIFF)?;
     number("surface.tension_n_per_m", surface.tension_n_per_m, STIFF)?;
+    number("surface.sheet_tension_n_per_m", surface.sheet_tension_n_per_m, STIFF)?;
     number("surface.bend", surface.bend, Bound::new(0.0, 10.0))?;
     number("surface.drag_n_s_per_m3", surface.drag_n_s_per_m3, STIFF)?;
     number("surface.tear_speed_m_s", surface.tear_speed_m_s, Bound::new(0.01, 1e6))?;
@@ -251,8 +252,8 @@ fn check_surface(surface: &SurfaceParams, scene: &Scene) -> Result<(), Wrong> {
     if scene.liquid.is_none() {
         return Err(wrong("surface", &"on", "a surface needs a [liquid]".into()));
     }
-    if let Err(why) = crate::surface::fits(surface.model, &scene.vessel, &scene.grid) {
-        let must = format!("must be spring in this vessel: {why}");
+    if let Err(why) = crate::surface::choose(surface.model, &scene.vessel, &scene.grid) {
+        let must = format!("must be auto or spring in this vessel: {why}");
         return Err(wrong("surface.model", &surface.model, must));
     }
     Ok(())

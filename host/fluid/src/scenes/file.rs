@@ -16,7 +16,7 @@
 //! gravity_m_s2 = 9.81
 //! colour = [0.8, 0.5, 0.1]
 //! [surface]
-//! model = "wave"
+//! model = "auto"
 //! nodes_per_cell = 2
 //! break_force_n = 0.2
 //! [gas]
@@ -34,6 +34,9 @@
 //! stir = true
 //! pour = true
 //! ```
+//!
+//! How the surface moves is `model`: `wave` knows the box and upright round vessels, `spring` any,
+//! and `auto` is the first of them that knows the vessel.
 //!
 //! The vessel is a `shape` (`box`, `pot`, `bowl` or `cylinder`, the latter with an `axis`), by
 //! default the base scene's, or a mesh (OBJ or glTF, in metres, y up; its path starts from the
@@ -53,8 +56,8 @@
 //! What it takes to break through the surface, to come out again, and how far it dents follows
 //! from the meniscus ([`Meniscus`](crate::force::Meniscus)) where a contact angle is given and
 //! `break_force_n`, `pull_force_n` or `contact_stiffness_n_per_m` is not. Its tension is the
-//! liquid's own, by default water's; `tension_n_per_m` is that of the springs that carry waves. A
-//! probe with a density has weight, and floats or sinks:
+//! liquid's own, by default water's; `tension_n_per_m` is that of the waves. A probe with a density
+//! has weight, and floats or sinks:
 //!
 //! ```toml
 //! [surface]

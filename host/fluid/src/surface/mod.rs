@@ -10,6 +10,7 @@ mod drift;
 mod lattice;
 mod model;
 mod orbits;
+mod own;
 mod params;
 mod round;
 mod spring;
@@ -19,14 +20,14 @@ mod wave;
 
 pub use drift::Fading;
 pub use lattice::Lattice;
-pub use model::{Basin, INDEX, Load, Make, Model, ModelRow, find, fits};
+pub use model::{AUTO, Basin, INDEX, Load, Make, Model, ModelRow, choose, names};
 pub use params::SurfaceParams;
 pub use tear::Weight;
 pub use touch::{Act, Answer, Touch};
 
 use glam::Vec3;
 
-use self::{orbits::Orbits, tear::Change, touch::Acting};
+use self::{orbits::Orbits, own::Own, tear::Change, touch::Acting};
 use crate::{simd::SimdClass, snapshot::SurfaceView, solver::SetupError};
 
 /// Heights below this, and speeds of as many metres a second, are rest.
@@ -56,6 +57,8 @@ pub struct Surface {
     speed_m_s: Vec<f32>,
     /// What acts in the next step, and what did in the last.
     acting: [Acting; 2],
+    /// What the probe's own push makes of it, while it leans on it.
+    own: Own,
     /// Length of the last step.
     last_s: f32,
     /// Area of all wet nodes.
@@ -69,6 +72,8 @@ pub struct Surface {
     fading: Fading,
     /// Heights and speeds of the moment that was looked ahead to; empty before.
     then: [Vec<f32>; 2],
+    /// State of the model while it looks ahead.
+    kept: [Vec<f32>; 2],
     orbits: Orbits,
     simd: SimdClass,
     asleep: bool,
@@ -80,8 +85,8 @@ impl Surface {
     /// # Errors
     /// [`SetupError`] if there is no such model, or it knows nothing of such a vessel.
     pub fn new(params: SurfaceParams, basin: &Basin<'_>) -> Result<Self, SetupError> {
-        let row = find(params.model)
-            .ok_or(SetupError::Unsupported("surface.model: there is no such model"))?;
+        let row = choose(params.model, basin.vessel, basin.grid)?;
+        let params = SurfaceParams { model: row.name, ..params };
         let lattice = Lattice::over(basin.grid, basin.vessel, params.nodes_per_cell.max(1));
         let zeros = || vec![0.0; lattice.len()];
         Ok(Self {
@@ -89,6 +94,7 @@ impl Surface {
             height_m: zeros(),
             speed_m_s: zeros(),
             acting: Default::default(),
+            own: Own::default(),
             last_s: 0.0,
             wet_m2: f64::from(lattice.node_m2()) * lattice.wet_count() as f64,
             level_m: 0.0,
@@ -97,6 +103,7 @@ impl Surface {
             under: Vec::new(),
             fading: Fading::default(),
             then: [Vec::new(), Vec::new()],
+            kept: [Vec::new(), Vec::new()],
             orbits: Orbits::new(basin.grid),
             simd: basin.simd,
             asleep: true,
@@ -105,7 +112,7 @@ impl Surface {
         })
     }
 
-    /// What the surface is made of.
+    /// What the surface is made of, and the model that was taken.
     #[must_use]
     pub fn params(&self) -> &SurfaceParams {
         &self.params
@@ -120,11 +127,10 @@ impl Surface {
     /// Memory that it takes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let arrays = [&self.height_m, &self.speed_m_s];
-        let then = self.then.iter().map(Vec::len).sum::<usize>();
-        let nodes = (arrays.iter().map(|a| a.len()).sum::<usize>() + then) * size_of::<f32>();
+        let arrays = [&self.height_m, &self.speed_m_s].into_iter().chain(&self.then);
+        let nodes = arrays.chain(&self.kept).map(|a| size_of_val(a.as_slice())).sum::<usize>();
         let acting = self.acting.iter().map(Acting::bytes).sum::<usize>();
-        nodes + acting + self.lattice.len() + self.model.bytes()
+        nodes + acting + self.own.bytes() + self.lattice.len() + self.model.bytes()
     }
 
     /// True while nothing moves, and a step costs nothing.
@@ -166,6 +172,7 @@ impl Surface {
             self.height_m[node] = known(height_m(at.x, at.z));
             self.speed_m_s[node] = known(speed_m_s(at.x, at.z));
         }
+        self.own.forget();
         self.model.scale(0.0);
         self.model.add(&self.height_m, &self.speed_m_s);
         self.asleep = false;
@@ -179,6 +186,17 @@ impl Surface {
         let idle = force_n == 0.0 && self.asleep;
         if !idle && (force_n + damping_n_s_per_m).is_finite() {
             self.put(at_m, radius_m, Touch { force_n, damping_n_s_per_m, ..Touch::default() });
+        }
+    }
+
+    /// What the hand's probe does: as [`Surface::touch`], but what its push makes of the surface
+    /// is left out of what [`Surface::ahead`] tells, for as long as it leans on it in every step,
+    /// be it by a force of 0: the spring that the hand feels is the whole dent already.
+    pub fn lean(&mut self, at_m: Vec3, radius_m: f32, force_n: f32, damping_n_s_per_m: f32) {
+        let idle = force_n == 0.0 && self.asleep;
+        if !idle && (force_n + damping_n_s_per_m).is_finite() {
+            let push = Touch { force_n, damping_n_s_per_m, ..Touch::default() };
+            self.asleep &= !self.acting[0].lean(&self.lattice, at_m, radius_m, push);
         }
     }
 
@@ -210,6 +228,10 @@ impl Surface {
             self.acting[0].clear();
             return SurfaceReport::default();
         }
+        match self.acting[0].leaning() {
+            Some(push) => self.own.step(&mut *self.model, push, dt_s),
+            None => self.own.forget(),
+        }
         let substeps = self.model.step(dt_s, self.acting[0].load());
         self.acting.swap(0, 1);
         self.acting[0].clear();
@@ -228,6 +250,7 @@ impl Surface {
             most if most < REST => (true, 0),
             ..=MOST => (false, 0),
             most if most.is_finite() => {
+                self.own.forget();
                 self.model.scale(0.5 * MOST / most);
                 self.model.read(&mut self.height_m, &mut self.speed_m_s);
                 (false, 1)
@@ -235,6 +258,7 @@ impl Surface {
             _ => (true, 1),
         };
         if rest {
+            self.own.forget();
             self.model.scale(0.0);
             self.height_m.fill(0.0);
             self.speed_m_s.fill(0.0);
@@ -270,13 +294,15 @@ impl Surface {
 
     /// Looks ahead: what [`Surface::ahead`] tells is of the moment `ahead_s` from now, if what
     /// acted in the last step goes on acting until then, and what is sudden does not come again.
+    /// What a probe that leans on the surface made of it is left out.
     pub fn look_ahead(&mut self, ahead_s: f32) {
         if self.asleep || self.last_s <= 0.0 || !(ahead_s > 0.0 && ahead_s.is_finite()) {
             self.then.iter_mut().for_each(Vec::clear);
             return;
         }
         let steps = (ahead_s / self.last_s).ceil().clamp(1.0, MOST_STEPS_AHEAD);
-        self.model.keep();
+        self.kept.iter_mut().zip(self.model.state()).for_each(|(to, now)| to.clone_from(now));
+        self.own.take_from(&mut *self.model);
         for _ in 0..steps as u32 {
             self.model.step(ahead_s / steps, self.acting[1].load());
         }
@@ -284,7 +310,7 @@ impl Surface {
         height_m.resize(self.lattice.len(), 0.0);
         speed_m_s.resize(self.lattice.len(), 0.0);
         self.model.read(height_m, speed_m_s);
-        self.model.go_back();
+        self.model.state().into_iter().zip(&self.kept).for_each(|(to, kept)| to.clone_from(kept));
     }
 
     /// As [`Surface::at`], of the moment that was looked ahead to last.

@@ -1,6 +1,6 @@
 //! What moves a surface: the trait of all models, and their index.
 
-use super::{Fading, Lattice, SurfaceParams, Touch, round, spring, wave};
+use super::{Fading, Lattice, SurfaceParams, Touch, spring, wave};
 use crate::{grid::Grid, simd::SimdClass, solver::SetupError, vessel::Vessel};
 
 /// What a surface lies on.
@@ -53,11 +53,9 @@ pub trait Model: Send {
     /// Writes heights above rest in metres and vertical speeds in m/s, both without a mean.
     fn read(&mut self, height_m: &mut [f32], speed_m_s: &mut [f32]);
 
-    /// Keeps heights and speeds for [`Model::go_back`].
-    fn keep(&mut self);
-
-    /// Goes back to the heights and speeds that were kept last.
-    fn go_back(&mut self);
+    /// Heights and speeds in the model's own terms. They move linearly: what acts on a sum of two
+    /// may act on one of them, and their sum is the same.
+    fn state(&mut self) -> [&mut Vec<f32>; 2];
 
     /// Writes the potential in m^2/s of what moves below along with the surface, and its vertical
     /// speed, in a layer of cells counted from the surface. False for a model that has no below.
@@ -87,7 +85,11 @@ pub trait Model: Send {
     fn strike(&mut self, impulse_n_s: &[f32], times: f32);
 
     /// Multiplies heights and speeds, by 0 to be at rest.
-    fn scale(&mut self, factor: f32);
+    fn scale(&mut self, factor: f32) {
+        // What is no number is to be 0 where all is.
+        let scaled = |v: &mut f32| *v = if factor == 0.0 { 0.0 } else { *v * factor };
+        self.state().into_iter().flatten().for_each(scaled);
+    }
 
     /// Energy in joules: of motion, of height, and of tension.
     fn energy_j(&self) -> f64;
@@ -103,6 +105,8 @@ pub struct ModelRow {
     pub name: &'static str,
     /// What it is.
     pub about: &'static str,
+    /// Says whether it knows of a vessel in the box of a grid; [`SetupError`] if it does not.
+    pub fits: fn(&Vessel, &Grid) -> Result<(), SetupError>,
     /// Makes it.
     pub make: Make,
 }
@@ -110,22 +114,28 @@ pub struct ModelRow {
 /// Makes a model at rest; [`SetupError`] if it knows nothing of such a vessel.
 pub type Make = fn(&SurfaceParams, &Lattice, &Basin<'_>) -> Result<Box<dyn Model>, SetupError>;
 
-/// Every model.
+/// Every model, the best first.
 pub const INDEX: &[ModelRow] = &[wave::ROW, spring::ROW];
 
-/// The row of that name.
-#[must_use]
-pub fn find(name: &str) -> Option<&'static ModelRow> {
-    INDEX.iter().find(|row| row.name == name)
+/// Stands for the best model that knows of the vessel.
+pub const AUTO: &str = "auto";
+
+/// What a model may be called.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    std::iter::once(AUTO).chain(INDEX.iter().map(|row| row.name))
 }
 
-/// Whether a model knows of a vessel in the box of a grid.
+/// The model of a name for a vessel in the box of a grid.
 ///
 /// # Errors
-/// [`SetupError`] if it does not.
-pub fn fits(model: &str, vessel: &Vessel, grid: &Grid) -> Result<(), SetupError> {
-    if model == wave::ROW.name && *vessel != Vessel::Box {
-        round::Profile::of_vessel(vessel, grid)?;
+/// [`SetupError`] if there is no such model, or it does not know of such a vessel.
+pub fn choose(name: &str, vessel: &Vessel, grid: &Grid) -> Result<&'static ModelRow, SetupError> {
+    let mut refusal = SetupError::Unsupported("surface.model: there is no such model");
+    for row in INDEX.iter().filter(|row| name == AUTO || name == row.name) {
+        match (row.fits)(vessel, grid) {
+            Ok(()) => return Ok(row),
+            Err(why) => refusal = why,
+        }
     }
-    Ok(())
+    Err(refusal)
 }

@@ -26,6 +26,7 @@ use crate::{simd::SimdClass, solver::SetupError};
 pub(super) const ROW: ModelRow = ModelRow {
     name: "spring",
     about: "masses and springs, RK4 (Mora 2008)",
+    fits: |_, _| Ok(()),
     make: |params, lattice, basin| Ok(Box::new(SpringSheet::new(params, lattice, basin)?)),
 };
 
@@ -45,7 +46,6 @@ pub(super) struct SpringSheet {
     stage: Motion,
     next: Motion,
     sum: Motion,
-    kept: Motion,
     /// Work space of implicit steps, if there has been one.
     implicit: Option<Box<Implicit>>,
 }
@@ -65,7 +65,6 @@ impl SpringSheet {
             stage: zeros(),
             next: zeros(),
             sum: zeros(),
-            kept: zeros(),
             implicit: None,
             springs,
         })
@@ -140,12 +139,8 @@ impl Model for SpringSheet {
         self.springs.copy_out(&self.motion.speed_m_s, speed_m_s);
     }
 
-    fn keep(&mut self) {
-        self.kept.copy(&self.motion);
-    }
-
-    fn go_back(&mut self) {
-        self.motion.copy(&self.kept);
+    fn state(&mut self) -> [&mut Vec<f32>; 2] {
+        [&mut self.motion.height_m, &mut self.motion.speed_m_s]
     }
 
     fn add(&mut self, height_m: &[f32], speed_m_s: &[f32]) {
@@ -175,19 +170,12 @@ impl Model for SpringSheet {
         self.springs.keep_volume(&mut self.motion.speed_m_s);
     }
 
-    fn scale(&mut self, factor: f32) {
-        // What is no number is to be 0 where all is.
-        let scaled = |v: &mut f32| *v = if factor == 0.0 { 0.0 } else { *v * factor };
-        self.motion.height_m.iter_mut().for_each(scaled);
-        self.motion.speed_m_s.iter_mut().for_each(scaled);
-    }
-
     fn energy_j(&self) -> f64 {
         self.springs.energy_j(&self.motion)
     }
 
     fn bytes(&self) -> usize {
-        let motions = [&self.motion, &self.stage, &self.next, &self.sum, &self.kept];
+        let motions = [&self.motion, &self.stage, &self.next, &self.sum];
         let implicit = self.implicit.as_ref().map_or(0, |implicit| implicit.bytes());
         self.springs.bytes()
             + motions.map(Motion::bytes).iter().sum::<usize>()

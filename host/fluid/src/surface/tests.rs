@@ -178,6 +178,38 @@ fn nothing_blows_up() {
 }
 
 #[test]
+fn a_probe_that_leans_is_told_of_all_waves_but_its_own() {
+    let (hand, elsewhere) = (Vec3::new(0.06, 0.0, 0.07), Vec3::new(0.12, 0.0, 0.03));
+    for [mut pushed, mut idle] in all(WATER).zip(all(WATER)).map(|(a, b)| [a, b]) {
+        for surface in [&mut pushed, &mut idle] {
+            surface.set(|x, _| 1e-3 * (20.0 * x).cos(), |_, _| 0.0);
+        }
+        let mut push = |force_n: f32, poke_n: f32| {
+            for (surface, force_n) in [(&mut pushed, force_n), (&mut idle, 0.0)] {
+                surface.touch(elsewhere, 0.02, poke_n, 0.0);
+                surface.lean(hand, 0.02, force_n, 0.3);
+                surface.step(10e-3);
+                surface.look_ahead(20e-3);
+            }
+            let apart = |of: fn(&Surface, Vec3) -> (f32, f32)| {
+                (of(&pushed, hand).0 - of(&idle, hand).0).abs()
+            };
+            [apart(Surface::at), apart(Surface::ahead)]
+        };
+        for step in 0..100 {
+            let [seen_m, told_m] = push(-0.3, if step < 10 { -0.2 } else { 0.0 });
+            assert!(step < 3 || seen_m > 1e-4, "step {step}: it is seen");
+            assert!(told_m < 2e-6, "step {step}: {told_m} m of its own");
+        }
+        assert!(push(0.0, 0.0)[1] < 2e-6, "it leans by nothing");
+        pushed.step(10e-3);
+        pushed.look_ahead(1e-6);
+        let [seen_m, told_m] = [pushed.at(hand).0, pushed.ahead(hand).0];
+        assert!((seen_m - told_m).abs() < 2e-6, "gone, it is told of all: {seen_m} {told_m}");
+    }
+}
+
+#[test]
 fn beside_the_pot_nothing_moves() {
     for row in INDEX {
         let mut surface = in_pot(SurfaceParams { model: row.name, ..WATER });

@@ -78,6 +78,8 @@ impl Touch {
 pub(super) struct Acting {
     touches: Vec<Touch>,
     touching: usize,
+    /// True if the first of them is the probe that leans on the surface.
+    leans: bool,
     /// Upward force on each node; empty until something presses.
     force_n: Vec<f32>,
     is_pressed: bool,
@@ -92,12 +94,20 @@ impl Acting {
 
     /// Nothing acts any more.
     pub fn clear(&mut self) {
-        (self.touching, self.is_pressed) = (0, false);
+        (self.touching, self.leans, self.is_pressed) = (0, false, false);
     }
 
-    /// What is sudden does not come again.
+    /// The push of the probe that leans on the surface, if one does.
+    pub fn leaning(&self) -> Option<&Touch> {
+        self.touches.first().filter(|_| self.leans)
+    }
+
+    /// What is sudden does not come again, and the probe that leans pushes no more.
     pub fn calm(&mut self) {
         self.touches.iter_mut().for_each(|touch| touch.kick_j = 0.0);
+        if self.leans {
+            self.touches[0].force_n = 0.0;
+        }
     }
 
     /// Adds a touch of what is under a body; false if nothing is, or a number is not finite.
@@ -114,6 +124,16 @@ impl Acting {
         let is_there = !under.is_empty();
         self.touching += usize::from(is_there);
         *place = Touch { under, ..touch };
+        is_there
+    }
+
+    /// Adds the touch of a probe that leans on the surface; as [`Acting::put`].
+    pub fn lean(&mut self, lattice: &Lattice, at_m: Vec3, radius_m: f32, push: Touch) -> bool {
+        let is_there = self.put(lattice, at_m, radius_m, push);
+        if is_there {
+            self.touches.swap(0, self.touching - 1);
+            self.leans = true;
+        }
         is_there
     }
 

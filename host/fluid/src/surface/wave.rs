@@ -25,6 +25,7 @@ use crate::{simd::SimdClass, solver::SetupError};
 pub(super) const ROW: ModelRow = ModelRow {
     name: "wave",
     about: "linear waves of gravity and tension, exact in time",
+    fits: basis::fits,
     make: |params, lattice, basin| Ok(Box::new(Waves::new(params, lattice, basin)?)),
 };
 
@@ -72,7 +73,6 @@ struct Waves {
     speed: Vec<f32>,
     /// For two lengths of steps: as they come, and as they are looked ahead by.
     propagators: [Propagator; 2],
-    kept: [Vec<f32>; 2],
     /// Force on each mode, and what one touch adds to it; empty until needed.
     force: Vec<f32>,
     under: Vec<f32>,
@@ -116,7 +116,6 @@ impl Waves {
             amplitude: zeros(),
             speed: zeros(),
             propagators: Default::default(),
-            kept: Default::default(),
             orbits: Orbits::new(depth_m, f64::from(basin.grid.spacing_m)),
             force: Vec::new(),
             under: Vec::new(),
@@ -195,16 +194,8 @@ impl Model for Waves {
         self.basis.synthesise([&self.amplitude, &self.speed], [height_m, speed_m_s]);
     }
 
-    fn keep(&mut self) {
-        let [amplitude, speed] = &mut self.kept;
-        amplitude.clone_from(&self.amplitude);
-        speed.clone_from(&self.speed);
-    }
-
-    fn go_back(&mut self) {
-        let [amplitude, speed] = &self.kept;
-        self.amplitude.clone_from(amplitude);
-        self.speed.clone_from(speed);
+    fn state(&mut self) -> [&mut Vec<f32>; 2] {
+        [&mut self.amplitude, &mut self.speed]
     }
 
     fn orbit(&mut self, layer: usize, potential: &mut [f32], rising_m_s: &mut [f32]) -> bool {
@@ -298,12 +289,6 @@ impl Model for Waves {
         for (own, (impulse, answer)) in self.speed.iter_mut().zip(pairs) {
             *own += per_density * *answer * *impulse;
         }
-    }
-
-    fn scale(&mut self, factor: f32) {
-        // What is no number is to be 0 where all is.
-        let scaled = |v: &mut f32| *v = if factor == 0.0 { 0.0 } else { *v * factor };
-        self.amplitude.iter_mut().chain(&mut self.speed).for_each(scaled);
     }
 
     fn energy_j(&self) -> f64 {

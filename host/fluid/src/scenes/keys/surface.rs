@@ -21,6 +21,7 @@ pub(super) struct SurfaceKeys {
     areal_mass_kg_m2: Number,
     gravity_n_per_m3: Number,
     tension_n_per_m: Number,
+    sheet_tension_n_per_m: Number,
     bend: Number,
     drag_n_s_per_m3: Number,
     tear_speed_m_s: Number,
@@ -53,6 +54,8 @@ pub(super) fn apply(
     lines.set("surface.areal_mass_kg_m2", &mut surface.areal_mass_kg_m2, &keys.areal_mass_kg_m2);
     lines.set("surface.gravity_n_per_m3", &mut surface.gravity_n_per_m3, &keys.gravity_n_per_m3);
     lines.set("surface.tension_n_per_m", &mut surface.tension_n_per_m, &keys.tension_n_per_m);
+    let sheet = &mut surface.sheet_tension_n_per_m;
+    lines.set("surface.sheet_tension_n_per_m", sheet, &keys.sheet_tension_n_per_m);
     lines.set("surface.bend", &mut surface.bend, &keys.bend);
     lines.set("surface.drag_n_s_per_m3", &mut surface.drag_n_s_per_m3, &keys.drag_n_s_per_m3);
     lines.set("surface.tear_speed_m_s", &mut surface.tear_speed_m_s, &keys.tear_speed_m_s);
@@ -114,11 +117,10 @@ pub(super) fn derive(keys: &Spanned<SurfaceKeys>, scene: &mut Scene) -> Result<(
 }
 
 fn model_of(name: &Spanned<String>) -> Result<&'static str, Misfit> {
-    let row = surface::find(name.get_ref()).ok_or_else(|| {
-        let known: Vec<_> = surface::INDEX.iter().map(|row| row.name).collect();
+    surface::names().find(|known| known == name.get_ref()).ok_or_else(|| {
+        let known: Vec<_> = surface::names().collect();
         let must = format!("must be one of {}", known.join(", "));
         let (key, value) = ("surface.model".into(), name.get_ref().clone());
         (name.span(), Wrong { key, value, must })
-    })?;
-    Ok(row.name)
+    })
 }

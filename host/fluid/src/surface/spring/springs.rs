@@ -69,7 +69,7 @@ impl Springs {
         let len = row * (nz + 2 * PAD) + BLOCK;
         let m2 = lattice.node_m2();
         let per_kg = 1.0 / (params.areal_mass_kg_m2 * m2);
-        let tension = params.tension_n_per_m;
+        let tension = params.tension_n_per_m + params.sheet_tension_n_per_m;
         let parts = [2.0 / 3.0, 1.0 / 6.0, params.bend];
         let mut springs = Self {
             row,

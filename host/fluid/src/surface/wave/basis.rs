@@ -2,6 +2,7 @@
 
 use super::{Mode, cosines::Cosines};
 use crate::{
+    grid::Grid,
     solver::SetupError,
     surface::{
         Basin, Lattice,
@@ -15,6 +16,11 @@ use crate::{
 pub enum Basis {
     Box(Box<Cosines>),
     Round(Box<Table>),
+}
+
+/// Whether the modes of a vessel in the box of a grid are known.
+pub fn fits(vessel: &Vessel, grid: &Grid) -> Result<(), SetupError> {
+    if *vessel == Vessel::Box { Ok(()) } else { Profile::of_vessel(vessel, grid).map(|_| ()) }
 }
 
 impl Basis {

@@ -8,8 +8,8 @@
 
 use super::Mode;
 
-/// What has fallen by e as often is nothing, in f32, beside what it was at the surface; and products
-/// of what is less and less would be very slow.
+/// What has fallen by e as often is nothing, in f32, beside what it was at the surface; and
+/// products of what is less and less would be very slow.
 const DEAD: f64 = 17.0;
 
 /// Shares of a mode's vertical speed that are potential and vertical speed of one layer.

@@ -5,8 +5,8 @@
 //! nu k^2 and what drag adds, on the way between Lamb's limits 2 nu k^2 of thin liquids and
 //! omega^2 / 2 nu k^2 of thick ones.
 //!
-//! In what is round of radius R no wave has a smaller k than 1.841 / R (Rayleigh's quotient; that of
-//! an upright cylinder). The more room there is below, the larger is lambda: so that of a pot as
+//! In what is round of radius R no wave has a smaller k than 1.841 / R (Rayleigh's quotient; that
+//! of an upright cylinder). The more room there is below, the larger is lambda: so that of a pot as
 //! deep as it is wide is at least that of the cone of 45 degrees in it, 1/R for the slowest, whose
 //! potential is x y above its tip; and so at least half of k tanh(k h).
 
