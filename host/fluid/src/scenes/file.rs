@@ -56,7 +56,8 @@
 //! What it takes to break through the surface, to come out again, and how far it dents follows
 //! from the meniscus ([`Meniscus`](crate::force::Meniscus)) where a contact angle is given and
 //! `break_force_n`, `pull_force_n` or `contact_stiffness_n_per_m` is not. Its tension is the
-//! liquid's own, by default water's; `tension_n_per_m` is that of the waves. A probe with a density has weight, and floats or sinks:
+//! liquid's own, by default water's; `tension_n_per_m` is that of the waves. A probe with a density
+//! has weight, and floats or sinks:
 //!
 //! ```toml
 //! [surface]
