@@ -12,7 +12,7 @@
 //! The loop through the hand closes only after the field has travelled: a drag that could stop
 //! the liquid it moves within that time would overshoot and swing. So the drag that is sent is
 //! at most the moved mass over the loop's time, whatever the liquid (with c dt/m above 1: honey),
-//! and at most what the device's own loop can hold, whose velocity is some 6 ms late.
+//! and at most what the device's own loop can hold, whose velocity is some 12 ms late.
 
 use cauldron_protocol::{
     WorldFromDevice,

@@ -78,19 +78,24 @@ impl SpringSheet {
         // What impulses gave to the mean speed: the volume does not let it be.
         let mut mean_m_s = 0.0;
         for touch in load.touches {
-            // A push on all nodes would move nothing.
-            let mut answer = Answer { speed_m_s: -mean_m_s, per_kg: -springs.all_per_kg() };
+            // A push on all nodes alike would move nothing. If it is on all of them, what is not
+            // alike may be so small a part of it that it is told here, before it is rounded.
+            let level = springs.even_share(touch.under.len());
+            let beside = if level > 0.0 { 0.0 } else { springs.all_per_kg() };
+            let mean_m_s_there = if level > 0.0 { 0.0 } else { mean_m_s };
+            let mut answer = Answer { speed_m_s: -mean_m_s_there, per_kg: -beside };
             for &(node, share) in &touch.under {
-                let (share, speed) = (f64::from(share), motion.speed_m_s[springs.at(node)]);
+                let (share, speed) = (f64::from(share) - level, motion.speed_m_s[springs.at(node)]);
                 answer.speed_m_s += share * f64::from(speed);
                 answer.per_kg += share * share * f64::from(per_kg);
             }
             let act = touch.act(answer, dt_s);
-            mean_m_s += act.impulse_n_s * springs.all_per_kg();
+            mean_m_s += act.impulse_n_s * beside;
             for &(node, share) in &touch.under {
                 let at = springs.at(node);
-                motion.speed_m_s[at] += (act.impulse_n_s * f64::from(share * per_kg)) as f32;
-                load_m_s2[at] += act.force_n as f32 * share * per_kg;
+                let per_kg = (f64::from(share) - level) * f64::from(per_kg);
+                motion.speed_m_s[at] += (act.impulse_n_s * per_kg) as f32;
+                load_m_s2[at] += (act.force_n * per_kg) as f32;
             }
         }
         for (node, force_n) in load.force_n.unwrap_or_default().iter().enumerate() {

@@ -112,6 +112,11 @@ impl Springs {
         f64::from(self.per_kg) / self.wet_count.max(1) as f64
     }
 
+    /// Share of each node in a push on this many, if they are all and it is on all alike.
+    pub fn even_share(&self, pushed: usize) -> f64 {
+        if pushed == self.wet_count { 1.0 / pushed.max(1) as f64 } else { 0.0 }
+    }
+
     /// Number of values of a padded array.
     pub fn len(&self) -> usize {
         self.len

@@ -1,4 +1,5 @@
 use super::{super::tests::WATER, *};
+use crate::surface::Touch;
 use crate::{grid::Grid, vessel::Vessel};
 use glam::Vec3;
 
@@ -78,4 +79,22 @@ fn an_implicit_step_is_the_midpoint_rule() {
     let [x1, v1] = first(&sheet);
     assert!((x1 - (x0 + dt * v)).abs() < 1e-8, "{x1}");
     assert!((v1 - (2.0 * v - v0)).abs() < 1e-6, "{v1}");
+}
+
+/// A body that is on all nodes moves them by no more than what its touch differs from node to node:
+/// what a kick brings must not be lost in what it gives to all alike.
+#[test]
+fn a_kick_of_all_nodes_brings_its_energy() {
+    let grid = Grid { cells: [17, 8, 17], spacing_m: 0.01, origin_in_world_m: Vec3::ZERO };
+    let lattice = Lattice::over(&grid, &Vessel::Box, 1);
+    for radius_m in [0.1, 1.0, 30.0] {
+        let mut under = Vec::new();
+        lattice.find_under(Vec3::new(0.08, 0.0, 0.07), radius_m, &mut under);
+        let kick_j = 1e-3;
+        let kick = Touch { under, kick_j, ..Touch::default() };
+        let mut sheet = sheet(WATER);
+        sheet.take(1e-3, Load { touches: &[kick.clone(), kick], force_n: None });
+        let off = sheet.energy_j() / f64::from(2.0 * kick_j) - 1.0;
+        assert!(off.abs() < 1e-4, "{radius_m} m: off by {off}");
+    }
 }
