@@ -2,8 +2,8 @@
 //!
 //! A backward difference is useless at 1 kHz: one count is tens of mm/s. This is the critically
 //! damped g-h filter (Brookner 1998, fading memory of order 1): with theta = 0.85 a step of one
-//! count shows as 6 % of that. A steady speed is told without error; a change of it g/h - 1/2 ticks,
-//! some 12 ms, late (g and h its gains).
+//! count shows as 6 % of that. A steady speed is told without error; a change of it g/h - 1/2
+//! ticks, some 12 ms, late (g and h its gains).
 
 use crate::{TICK_S, vector::Vec3};
 

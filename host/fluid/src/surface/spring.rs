@@ -80,7 +80,7 @@ impl SpringSheet {
         for touch in load.touches {
             // A push on all nodes alike would move nothing. If it is on all of them, what is not
             // alike may be so small a part of it that it is told here, before it is rounded.
-            let level = springs.even_share(touch.under.len());
+            let level = springs.common_share(&touch.under);
             let beside = if level > 0.0 { 0.0 } else { springs.all_per_kg() };
             let mean_m_s_there = if level > 0.0 { 0.0 } else { mean_m_s };
             let mut answer = Answer { speed_m_s: -mean_m_s_there, per_kg: -beside };

@@ -112,9 +112,10 @@ impl Springs {
         f64::from(self.per_kg) / self.wet_count.max(1) as f64
     }
 
-    /// Share of each node in a push on this many, if they are all and it is on all alike.
-    pub fn even_share(&self, pushed: usize) -> f64 {
-        if pushed == self.wet_count { 1.0 / pushed.max(1) as f64 } else { 0.0 }
+    /// What the shares of a push on all nodes have in common; 0 if it leaves any out.
+    pub fn common_share(&self, under: &[(usize, f32)]) -> f64 {
+        let sum: f64 = under.iter().map(|(_, share)| f64::from(*share)).sum();
+        if under.len() == self.wet_count { sum / self.wet_count.max(1) as f64 } else { 0.0 }
     }
 
     /// Number of values of a padded array.

@@ -7,7 +7,7 @@ use crate::{solver::Solver, splash::SplashBooks, surface::Surface, torture::ledg
 
 /// Energy above the account, as a part of it, that is rounding: of a step, as a stiff sheet's
 /// energy is told by differences of heights in f32.
-const ENERGY_SLACK: f64 = 2e-3;
+const ENERGY_SLACK: f64 = 2e-4;
 
 /// Volume that may be lost or made, as a part of what is displaced.
 const VOLUME_SLACK: f64 = 1e-6;
