@@ -92,7 +92,7 @@ impl Pot {
         let mut flow = setup.as_ref().map(Flow::new).transpose()?;
         let mut surface = surface_of(scene, simd)?;
         if let Some(flow) = &mut flow {
-            scene.start.set(scene, flow, surface.as_mut());
+            scene.start(flow, surface.as_mut());
         }
         let substances = setup.as_ref().map(|setup| pourable(scene, setup));
         if let (Some(flow), Some(substances)) = (&mut flow, &substances) {

@@ -68,7 +68,7 @@ const POTION: Liquid = Liquid {
     colour: Vec3::new(0.25, 0.42, 0.60),
 };
 
-/// The tension of glycerol, and a drag by which the slowest waves die within some two seconds. It
+/// The tension of glycerol, and a drag by which the slowest waves fade to half within a second. It
 /// lets go of the probe at cot^2(50 deg) of the force that breaks it: as a contact angle of
 /// 100 deg would have it. As springs, its shortest waves cross the pot in half a second.
 const SKIN: SurfaceParams = SurfaceParams {

@@ -21,19 +21,19 @@ pub enum Start {
     Whirl(Whirl),
 }
 
-impl Start {
-    /// Sets the liquid of a scene going, and its surface with it.
-    pub(crate) fn set(&self, scene: &Scene, flow: &mut Flow, surface: Option<&mut Surface>) {
-        match self {
-            Self::Rest => {}
-            Self::TaylorGreen(speed_m_s) => {
-                set_velocity(flow, &vortex(&scene.grid, f64::from(*speed_m_s)));
+impl Scene {
+    /// Sets the liquid going as it moves at first, and its surface with it.
+    pub(crate) fn start(&self, flow: &mut Flow, surface: Option<&mut Surface>) {
+        match self.start {
+            Start::Rest => {}
+            Start::TaylorGreen(speed_m_s) => {
+                set_velocity(flow, &vortex(&self.grid, f64::from(speed_m_s)));
             }
-            Self::Whirl(whirl) => {
-                let Grid { origin_in_world_m: origin_m, .. } = scene.grid;
-                let middle_m = (origin_m + 0.5 * scene.grid.extent_m()).as_dvec3();
+            Start::Whirl(whirl) => {
+                let Grid { origin_in_world_m: origin_m, .. } = self.grid;
+                let middle_m = (origin_m + 0.5 * self.grid.extent_m()).as_dvec3();
                 set_velocity(flow, &|at| whirl.velocity_m_s((at - middle_m).with_y(0.0)));
-                if let Some((surface, liquid)) = surface.zip(scene.liquid) {
+                if let Some((surface, liquid)) = surface.zip(self.liquid) {
                     let gravity_m_s2 = f64::from(liquid.gravity_m_s2);
                     let from_axis_m = |x: f32, z: f32| {
                         (f64::from(x) - middle_m.x).hypot(f64::from(z) - middle_m.z)

@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 
-use super::cauldron;
-use super::{Act, Liquid, Pour, Probe, Scene, SceneRow, Start, Story, Substance, Walls, Whirl};
+use super::{
+    Act, Liquid, Pour, Probe, Scene, SceneRow, Start, Story, Substance, Walls, Whirl, cauldron,
+};
 use crate::surface::SurfaceParams;
 
 pub(super) const ROW: SceneRow = SceneRow {
@@ -39,15 +40,12 @@ fn make() -> Scene {
             pour_radius_m: 0.015,
             pour_per_s: 12.0,
         }],
-        surface: Some(SurfaceParams {
-            nodes_per_cell: 2,
+        surface: pot.surface.map(|skin| SurfaceParams {
+            tension_n_per_m: SurfaceParams::WATER.tension_n_per_m,
             drag_n_s_per_m3: 100.0,
             // The whirl alone is as steep as a wave that breaks.
             tear_slope: 3.0,
-            contact_stiffness_n_per_m: 32.0,
-            break_force_n: 0.12,
-            pull_force_n: 0.085,
-            ..SurfaceParams::WATER
+            ..skin
         }),
         start: Start::Whirl(Whirl { speed_m_s: 0.5, core_m: 0.04 }),
         probe: Probe { radius_m: 0.014, density_kg_m3: None },
